@@ -1,0 +1,125 @@
+"""A behaviour at work: from the graph's values to a Behavior object and back."""
+
+from __future__ import annotations
+
+import dataclasses
+import traceback
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from behaviors.behavior import Behavior
+from behaviors.flight import Flight
+from fsm.functions import EvaluationError
+from fsm.vocabulary import Behavior as BehaviorInfo
+from fsm.vocabulary import Outcome
+
+Post = Callable[[str, Mapping[str, Any]], None]
+
+
+class DroneActivity:
+    """Runs one Behavior; whatever it raises becomes the outcome ``failed``."""
+
+    def __init__(
+        self,
+        info: BehaviorInfo,
+        values: Mapping[str, Any],
+        progress: Mapping[str, Any] | None,
+        flight: Flight,
+        post: Post,
+    ) -> None:
+        self.info = info
+        self.published: Any = info.blank
+        self.failure: Outcome | None = None
+        self._flight = flight
+        self._post = post
+        self._start = flight.observation
+        self._behavior: Behavior | None = None
+        self._stopped = False
+        given = {name: p.default for name, p in info.parameters.items()}
+        given.update({name: value for name, value in values.items() if value is not None})
+        missing = [n for n, p in info.parameters.items() if p.required and given[n] is None]
+        if missing:
+            self.failure = _failed(f"the parameter '{missing[0]}' has no value")
+            return
+        try:
+            self._behavior = info.implementation(info.implementation.Params(**self._resolve(given)))
+            self._attach()
+            self._behavior.start(flight, progress)
+        except Exception as error:
+            self.failure = _failed(_story(error))
+
+    def _resolve(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        frame, parameters = self._flight.frame, self.info.parameters
+        return {
+            name: frame.resolve(parameters[name].type, value, self._start)
+            for name, value in values.items()
+        }
+
+    def _attach(self) -> None:
+        self._flight.raise_event = self._raise
+        self._flight.publish = self._publish
+
+    def _raise(self, name: str, record: Any = None) -> None:
+        if name not in self.info.events:
+            raise ValueError(f"{self.info.name} declares no event '{name}'")
+        self._post(name, _as_fields(record))
+
+    def _publish(self, record: Any) -> None:
+        self.published = record
+
+    def step(self, live: Mapping[str, Any]) -> Outcome | None:
+        if self.failure is not None or self._behavior is None:
+            return self.failure
+        try:
+            self._attach()
+            for name, value in self._resolve(live).items() if live else ():
+                setattr(self._behavior.params, name, value)
+            ended = self._behavior.step(self._flight)
+        except Exception as error:
+            return _failed(_story(error))
+        if ended is None:
+            return None
+        outcome = Outcome(ended) if isinstance(ended, str) else ended
+        if outcome.word not in self.info.outcomes and outcome.word != "failed":
+            return _failed(f"{self.info.name} ended in '{outcome.word}', which it does not declare")
+        return outcome
+
+    def progress(self) -> Mapping[str, Any] | None:
+        if self._behavior is None or self.failure is not None:
+            return None
+        try:
+            return self._behavior.progress()
+        except Exception:
+            # Without its progress it starts anew; what went wrong there harms no flight.
+            return None
+
+    def stop(self) -> None:
+        if self._behavior is None or self._stopped:
+            return
+        self._stopped = True
+        try:
+            self._behavior.stop(self._flight)
+        except Exception as error:
+            self._post("error.execution", {"message": _story(error), "where": self.info.name})
+
+
+def _as_fields(record: Any) -> dict[str, Any]:
+    if record is None:
+        return {}
+    if dataclasses.is_dataclass(record):
+        return {f.name: getattr(record, f.name) for f in dataclasses.fields(record)}
+    return dict(record)
+
+
+def _failed(reason: str) -> Outcome:
+    return Outcome("failed", {"reason": reason})
+
+
+def _story(error: Exception) -> str:
+    """What went wrong, with the line of the behaviour's own file but no path of this machine."""
+    if isinstance(error, EvaluationError):
+        return str(error)
+    frames = traceback.extract_tb(error.__traceback__)
+    last = frames[-1] if frames else None
+    place = f" ({last.filename.rsplit('/', 1)[-1]}:{last.lineno})" if last else ""
+    return f"{type(error).__name__}: {error}{place}"

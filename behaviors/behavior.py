@@ -1,0 +1,83 @@
+"""The contract of a behaviour: a reusable piece of flying with parameters and outcomes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from inspect import getdoc
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from behaviors.params import BehaviorParams, fields_of, parameters_of
+from fsm.vocabulary import Behavior as BehaviorInfo
+from fsm.vocabulary import Outcome
+
+if TYPE_CHECKING:
+    from behaviors.flight import Flight
+
+
+class Behavior:
+    """Subclass it, declare what it needs and gives, and write ``step``.
+
+    One object serves one activation of one state: it is made when the state's behaviour starts and
+    forgotten after ``stop``.
+    """
+
+    name: ClassVar[str] = ""
+    """The word after ``do:``; by default the class name in snake case."""
+
+    class Params(BehaviorParams):
+        """No parameters."""
+
+    outcomes: ClassVar[Mapping[str, type | None]] = {"done": None}
+    """Word → dataclass of its ``event`` fields; ``failed`` is implicit; {} never ends."""
+    events: ClassVar[Mapping[str, type | None]] = {}
+    """Dotted names it may raise → dataclass of their fields."""
+    publishes: ClassVar[type | None] = None
+    """Dataclass with defaults, read in the graph as ``name.field``."""
+    controls: ClassVar[tuple[str, ...]] = ("motion",)
+    """Resources that only one active behaviour may have."""
+    requires: ClassVar[tuple[str, ...]] = ()
+    """Capabilities that the vehicle must have; checked before take-off."""
+    ends_landed: ClassVar[bool] = False
+    """Whether every ``done`` leaves the vehicle on the ground."""
+
+    def __init__(self, params: Any) -> None:
+        self.params = params
+        """The parameters; live ones have their present values before every step."""
+
+    def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
+        """Begin; ``progress`` is what progress() said when the state was left before."""
+
+    def step(self, flight: Flight) -> Outcome | str | None:
+        """One mission period. Return an outcome to end."""
+        raise NotImplementedError
+
+    def progress(self) -> dict[str, Any] | None:
+        """How far it came, as JSON; asked before stop."""
+        return None
+
+    def stop(self, flight: Flight) -> None:
+        """Called once, also when it was cut short; commands no motion."""
+
+
+def name_of(behavior: type[Behavior]) -> str:
+    """The word after ``do:`` for a class."""
+    return behavior.name or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", behavior.__name__).lower()
+
+
+def describe(behavior: type[Behavior], name: str = "") -> BehaviorInfo:
+    """A behaviour as the checker and the help see it."""
+    publishes = behavior.publishes
+    return BehaviorInfo(
+        name=name or name_of(behavior),
+        help=getdoc(behavior) or "",
+        parameters=parameters_of(behavior.Params),
+        outcomes={word: fields_of(record) for word, record in behavior.outcomes.items()},
+        events={event: fields_of(record) for event, record in behavior.events.items()},
+        publishes=fields_of(publishes),
+        blank=publishes() if publishes else None,
+        controls=tuple(behavior.controls),
+        requires=tuple(behavior.requires),
+        ends_landed=behavior.ends_landed,
+        implementation=behavior,
+    )

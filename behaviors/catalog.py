@@ -1,0 +1,107 @@
+"""Which behaviours there are: those installed, and those in files beside a mission."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+
+from behaviors.behavior import Behavior, describe, name_of
+from fsm.vocabulary import Behavior as BehaviorInfo
+from vencejo.errors import UserError, Where, nearest
+from vencejo.nodes import Scalar
+
+GROUP = "vencejo.behaviors"
+
+
+class Catalog(Mapping[str, BehaviorInfo]):
+    """Behaviours by name; one that is installed is imported when it is first asked for."""
+
+    def __init__(self, own: Mapping[str, BehaviorInfo] | None = None) -> None:
+        self._points: dict[str, EntryPoint] = {p.name: p for p in entry_points(group=GROUP)}
+        self._known: dict[str, BehaviorInfo] = dict(own or {})
+
+    def __getitem__(self, name: str) -> BehaviorInfo:
+        if name not in self._known:
+            self._known[name] = describe(self._points[name].load(), name)
+        return self._known[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known or name in self._points
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted({*self._points, *self._known}))
+
+    def __len__(self) -> int:
+        return len({*self._points, *self._known})
+
+
+def load_uses(files: Sequence[Scalar], folder: Path) -> dict[str, BehaviorInfo]:
+    """The behaviours in the Python files that a mission names under ``uses``.
+
+    Runs those files; only ones inside the mission's folder are accepted. Raises UserError.
+    """
+    found: dict[str, BehaviorInfo] = {}
+    for scalar in files:
+        for behavior in _behaviors_in(scalar, folder):
+            info = describe(behavior)
+            if info.name in Catalog() or info.name in found:
+                raise UserError(
+                    "name-taken", f"there is a behaviour '{info.name}' already", scalar.where
+                )
+            found[info.name] = info
+    return found
+
+
+def _behaviors_in(scalar: Scalar, folder: Path) -> list[type[Behavior]]:
+    name, where = scalar.text, scalar.where
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise UserError(
+            "outside-folder",
+            f"'{name}' lies outside the mission's folder",
+            where,
+            "a mission may only use Python that lies beside it",
+        )
+    if not path.is_file():
+        files = [str(file.relative_to(folder)) for file in folder.glob("*.py")]
+        hint = nearest(name, files, None if files else "no Python file lies beside the mission")
+        raise UserError("no-such-file", f"there is no file '{name}'", where, hint)
+    module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
+    spec = importlib.util.spec_from_file_location(module_name, path)
+    if spec is None or spec.loader is None:
+        raise UserError("not-python", f"'{name}' is no Python file", where, "its name ends in .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module_name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise UserError(
+            "broken-code",
+            f"'{name}' cannot be loaded: {type(error).__name__}: {error}",
+            Where(name, _line_in(error, path), 1),
+            f"named under `uses` at {where}",
+        ) from None
+    behaviors = [
+        thing
+        for thing in vars(module).values()
+        if isinstance(thing, type)
+        and issubclass(thing, Behavior)
+        and thing.__module__ == module_name
+        and not name_of(thing).startswith("_")
+    ]
+    if not behaviors:
+        raise UserError("no-behaviour", f"there is no Behavior class in '{name}'", where)
+    return behaviors
+
+
+def _line_in(error: Exception, path: Path) -> int:
+    """The line of the user's file that an error comes from."""
+    if isinstance(error, SyntaxError):
+        return error.lineno or 1
+    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    return next((line for line in reversed(lines) if line), 1)

@@ -1,0 +1,52 @@
+"""goto: fly to a point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from behaviors.behavior import Behavior
+from behaviors.flight import Flight
+from behaviors.leg import Approach, Arrival, Blocked, Leg
+from behaviors.params import BehaviorParams, Heading, live, param
+from fsm.vocabulary import Outcome
+from vencejo.geometry import Point
+
+
+class GoTo(Behavior):
+    """Fly to a point in a straight line and stay inside the tolerance for ``dwell``.
+
+    A point of two coordinates keeps the height at the start. Ends in ``blocked`` when it is not
+    there in time: by default twice the way at that speed, and 15 s.
+    """
+
+    name = "goto"
+
+    class Params(BehaviorParams):
+        to: Point = live(help="where to")
+        speed: float = live(2.0, unit="m/s", min=0.05, max=20.0, help="on the way")
+        heading: Heading = live("keep", help="an angle, keep, travel or {face: point}")
+        tolerance: float = param(0.20, unit="m", min=0.02, help="distance that counts as there")
+        yaw_tolerance: float = param(0.15, unit="rad", min=0.01, help="error of the heading")
+        dwell: float = param(0.5, unit="s", min=0.0, help="time inside the tolerance")
+        timeout: float | None = param(None, unit="s", min=0.1, help="then it is blocked")
+
+    outcomes: ClassVar[Mapping[str, type | None]] = {"done": None, "blocked": Blocked}
+    publishes = Approach
+    requires = ("position", "velocity")
+
+    def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
+        self.leg = Leg(flight, self.params.to, self.params.timeout, self.params.speed)
+
+    def step(self, flight: Flight) -> Outcome | str | None:
+        params = self.params
+        self.leg.retarget(params.to)
+        approach = self.leg.step(flight, params.speed, params.heading)
+        flight.publish(approach)
+        arrival = Arrival(params.tolerance, params.yaw_tolerance, params.dwell)
+        if self.leg.arrived(approach, arrival, flight.now):
+            return "done"
+        blocked = self.leg.late(approach)
+        if blocked:
+            return Outcome("blocked", {"reason": blocked.reason, "distance": blocked.distance})
+        return None

@@ -1,0 +1,31 @@
+"""land: come down and switch off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from behaviors.behavior import Behavior
+from behaviors.flight import Flight
+from behaviors.orders import Waiting
+from behaviors.params import BehaviorParams, param
+from fsm.vocabulary import Outcome
+
+
+class Land(Behavior):
+    """Descend where it is and switch the motors off on the ground.
+
+    Done by contact with the ground, from any height.
+    """
+
+    class Params(BehaviorParams):
+        timeout: float = param(300.0, unit="s", min=1.0, help="then it has failed")
+
+    requires = ("land",)
+    ends_landed = True
+
+    def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
+        self.waiting = Waiting(flight.land(), flight.now, self.params.timeout)
+
+    def step(self, flight: Flight) -> Outcome | str | None:
+        return self.waiting.step(flight)

@@ -1,0 +1,188 @@
+"""The pilot: flies one graph on one vehicle, a mission period at a time.
+
+It joins what fsm and hal each leave open: observes, posts urgent events, lets the graph take its
+period, and commands the vehicle. Authority is in this order: the operator and safety (a landing
+past the mission), then the mission; where nobody commands, the vehicle holds its place. When the
+mission ends, in whatever way, the vehicle is landed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from behaviors.activity import DroneActivity
+from behaviors.flight import Flight, MissionFrame
+from behaviors.vocabulary import view
+from behaviors.watch import Thresholds, Watch
+from fsm.graph import Graph
+from fsm.machine import Instance
+from fsm.vocabulary import Behavior
+from hal.vehicle import Hold, Order, Position, Setpoint, Vehicle
+from vencejo.errors import UserError, VehicleError
+from vencejo.geometry import distance
+from vencejo.seeds import generator
+
+HOLD_BEFORE_LANDING = 1.0
+"""Seconds the vehicle comes to rest for, when a mission ends in the air."""
+LANDING_TIMEOUT = 300.0
+"""Seconds (vehicle's clock) within which any landing must have ended."""
+STAY_WITHIN = 0.5
+"""Metres within which an ended behaviour's last target is held, rather than the present place."""
+
+
+class Pilot:
+    """One vehicle with the mission it flies. ``period`` after every ``session.wait``."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        vehicle: Vehicle,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        frame: MissionFrame | None = None,
+        seed: int = 0,
+        thresholds: Thresholds | None = None,
+    ) -> None:
+        self.vehicle = vehicle
+        self.flight = Flight(
+            vehicle,
+            frame or MissionFrame(vehicle.observe().position),
+            generator(seed, vehicle.name, "behaviours"),
+        )
+        self.instance = Instance(graph, self, parameters)
+        self.landing: Order | None = None
+        """The landing past the mission, once it has begun."""
+        self.reason = ""
+        """Why the mission was ended from outside; empty when it ended by itself."""
+        self.outcome: str | None = None
+        self._watch = Watch(thresholds or Thresholds())
+        self._ended_at: float | None = None
+        self._held: Setpoint = Hold()
+        self._require(graph)
+
+    def _require(self, graph: Graph) -> None:
+        """Refuse, before take-off, what this vehicle cannot do. Raises UserError."""
+        for capability, node in graph.required().items():
+            if capability not in self.vehicle.capabilities:
+                behavior = node.invocation.behavior.name if node.invocation else ""
+                raise UserError(
+                    "missing-capability",
+                    f"'{behavior}' needs '{capability}', which this vehicle does not have",
+                    node.where,
+                    f"it has: {', '.join(sorted(self.vehicle.capabilities))}",
+                )
+
+    # -- Host: what the graph asks for ------------------------------------------------------
+
+    def begin(
+        self,
+        behavior: Behavior,
+        state: str,
+        parameters: Mapping[str, Any],
+        progress: Mapping[str, Any] | None,
+    ) -> DroneActivity:
+        """Start a behaviour for a state (see fsm.Host)."""
+        return DroneActivity(behavior, parameters, progress, self.flight, self.instance.post)
+
+    def call(self, name: str, arguments: Mapping[str, Any]) -> None:
+        """Run a registered action (see fsm.Host); there is none yet."""
+        raise LookupError(f"no action is called '{name}'")
+
+    # -- the period -------------------------------------------------------------------------
+
+    @property
+    def finished(self) -> bool:
+        """Whether the mission has ended and the vehicle is down."""
+        return self.outcome is not None and self._is_down()
+
+    def period(self) -> None:
+        """One mission period. Raises VehicleError when the vehicle cannot be brought down."""
+        seen = self.flight.observe()
+        if self.outcome is None:
+            for name, fields in self._watch.events(seen):
+                self.instance.post(name, fields)
+            self.instance.period(seen.time, (view(seen),))
+            self._react()
+            if self.instance.ended:
+                self._end(self.instance.outcome or "failed")
+        if self.outcome is not None:
+            self._bring_down()
+        elif self.landing is None:
+            self._command()
+
+    def abort(self) -> None:
+        """The operator asks to stop: ``operator.abort``, whose default is to land."""
+        self.instance.post("operator.abort")
+
+    def land_now(self, reason: str = "the operator asked to land") -> None:
+        """Land at once, past the mission."""
+        if self.outcome is None:
+            self.reason = reason
+            self._end("aborted")
+        if self.landing is None and not self._is_down():
+            self._land()
+
+    def _react(self) -> None:
+        """The host's own reaction to what no active state handled: hold, land, ``failed``."""
+        if not self.instance.reactions:
+            return
+        name, fields = self.instance.reactions[0]
+        detail = fields.get("reason") or fields.get("message")
+        self.reason = f"nothing handled {name}" + (f": {detail}" if detail else "")
+        self.instance.record("reaction", event=name, does="land")
+        self.instance.stop("aborted" if name == "operator.abort" else "failed")
+
+    def _end(self, outcome: str) -> None:
+        self.outcome = outcome
+        self.instance.stop(outcome)
+        self._ended_at = self.flight.now
+        self.instance.record("outcome", outcome=outcome, reason=self.reason or None)
+
+    def _is_down(self) -> bool:
+        seen = self.flight.observation
+        return not seen.flying and not seen.armed
+
+    def _bring_down(self) -> None:
+        if self._is_down():
+            return
+        assert self._ended_at is not None
+        waited = self.flight.now - self._ended_at
+        if waited > LANDING_TIMEOUT:
+            raise VehicleError(
+                "cannot-land", f"the vehicle did not land within {LANDING_TIMEOUT:.0f} s"
+            )
+        if self.landing is None and waited < HOLD_BEFORE_LANDING and self.flight.observation.flying:
+            self.vehicle.command(Hold())
+        elif self.landing is None or self.landing.state == "refused":
+            self._land()
+
+    def _land(self) -> None:
+        self.instance.record("landing", by="host")
+        self.landing = self.vehicle.land()
+
+    def _command(self) -> None:
+        """The mission's set-point, or a hold where no behaviour is in control of the motion."""
+        flight = self.flight
+        if flight.setpoint is None and not self._in_control():
+            flight.setpoint = self._held
+        elif flight.setpoint is not None:
+            self._held = self._stay(flight.setpoint)
+        else:
+            self._held = Hold()
+        flight.send()
+
+    def _stay(self, setpoint: Setpoint) -> Setpoint:
+        """What to hold once the behaviour that commands this is gone."""
+        near = (
+            isinstance(setpoint, Position)
+            and distance(setpoint.xyz, self.flight.observation.position) < STAY_WITHIN
+            and self.flight.observation.velocity.norm() < STAY_WITHIN
+        )
+        if isinstance(setpoint, Position) and near:
+            return replace(setpoint, velocity=None, yaw_rate=None)
+        return Hold()
+
+    def _in_control(self) -> bool:
+        return self.instance.is_controlled("motion")

@@ -1,0 +1,32 @@
+"""return_home: the vehicle's own way home."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from behaviors.behavior import Behavior
+from behaviors.flight import Flight
+from behaviors.orders import Waiting
+from behaviors.params import BehaviorParams, param
+from fsm.vocabulary import Outcome
+
+
+class ReturnHome(Behavior):
+    """Let the vehicle fly home by its own means and land there.
+
+    On a real vehicle this is the autopilot's return mode, with its own height and speed. To fly
+    home and stay in the air, use ``goto`` with ``to: home``.
+    """
+
+    class Params(BehaviorParams):
+        timeout: float = param(600.0, unit="s", min=1.0, help="then it has failed")
+
+    requires = ("return_home",)
+    ends_landed = True
+
+    def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
+        self.waiting = Waiting(flight.return_home(), flight.now, self.params.timeout)
+
+    def step(self, flight: Flight) -> Outcome | str | None:
+        return self.waiting.step(flight)

@@ -1,0 +1,47 @@
+"""Urgent events: what a vehicle's observations say that a mission must not miss."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from hal.vehicle import Observation
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """When a run raises its urgent events."""
+
+    battery_low: float = 0.30
+    """Charge (0 to 1) of the advice ``battery.low``."""
+    battery_critical: float = 0.15
+    """Charge of ``battery.critical``."""
+    link_lost: float = 3.0
+    """Seconds of silence of ``link.lost``."""
+
+
+class Watch:
+    """Compares each observation with the thresholds; every crossing is one event."""
+
+    def __init__(self, thresholds: Thresholds) -> None:
+        self.thresholds = thresholds
+        self._below: set[str] = set()
+        self._lost = False
+
+    def events(self, seen: Observation) -> Iterator[tuple[str, dict[str, Any]]]:
+        """The events of this period, most urgent first."""
+        limits = self.thresholds
+        for name, level in (
+            ("battery.critical", limits.battery_critical),
+            ("battery.low", limits.battery_low),
+        ):
+            if seen.battery > level:
+                self._below.discard(name)
+            elif name not in self._below:
+                self._below.add(name)
+                yield name, {"level": seen.battery}
+        lost = seen.link_age > limits.link_lost
+        if lost != self._lost:
+            self._lost = lost
+            yield ("link.lost" if lost else "link.restored"), {"age": seen.link_age}

@@ -1,0 +1,1 @@
+"""drone-cli: checks, flies and shows missions."""

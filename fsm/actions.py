@@ -1,0 +1,204 @@
+"""What a state graph can do by itself: assign, append, raise, send, cancel and log."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+from fsm.expressions import Compiled
+from fsm.functions import EvaluationError
+from fsm.graph import Action
+from fsm.literals import Context, convert, read_value
+from fsm.scope import Binding
+from fsm.spec import ActionSpec
+from fsm.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
+from vencejo.errors import UserError, Where, nearest
+from vencejo.nodes import Mapping as MapNode
+from vencejo.nodes import Node, Scalar, kind
+from vencejo.units import TIME
+
+MAX_RESULT = 1_000_000
+"""Characters of a text, or elements of a list, that a variable may hold."""
+_EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
+_SEND_KEYS = frozenset({"event", "with", "delay", "id"})
+
+Events = Mapping[str, Mapping[str, Type]]
+
+
+def raised(spec: ActionSpec) -> str | None:
+    """The name of the event that an action raises or sends."""
+    node: Node | None = spec.node
+    if spec.kind == "raise":
+        if isinstance(node, MapNode) and len(node.entries) == 1:
+            return node.entries[0][0].text
+        return node.text if isinstance(node, Scalar) else None
+    if spec.kind == "send" and isinstance(node, MapNode):
+        node = node.get("event")
+        return node.text if isinstance(node, Scalar) else None
+    return None
+
+
+def compile_action(spec: ActionSpec, context: Context, events: Events) -> Action:
+    """An action ready to run. Raises UserError."""
+    match spec.kind:
+        case "set":
+            return _set(spec, context)
+        case "append":
+            return _append(spec, context)
+        case "log":
+            text = read_value(spec.node, TEXT, context)
+            return Action("log", lambda i, e: i.record("log", text=text(i.slots, e)))
+        case "raise":
+            return _raise(spec, context, events)
+        case "send":
+            return _send(spec, context, events)
+        case "cancel":
+            return _cancel(spec, context)
+        case "call":
+            raise UserError(
+                "not-yet", "'call' is part of the language but not of this version", spec.where
+            )
+
+
+def bounded(value: Any) -> Any:
+    """A value small enough to keep. Raises EvaluationError."""
+    if isinstance(value, (str, list)) and len(value) > MAX_RESULT:
+        raise EvaluationError("the result is larger than 1 MB")
+    if isinstance(value, (int, float)) and not abs(value) < 1e300:
+        raise EvaluationError("the result is too large a number")
+    return value
+
+
+def _map(node: Node, what: str) -> MapNode:
+    if isinstance(node, MapNode):
+        return node
+    raise UserError("wrong-type", f"`{what}` is a map, not {kind(node)}", node.where)
+
+
+def _variable(name: Scalar, context: Context) -> Binding:
+    found = context.scope.find(name.text)
+    if isinstance(found, Binding) and found.kind == "data":
+        return found
+    known = [
+        known
+        for known in context.scope.visible()
+        if isinstance(binding := context.scope.find(known), Binding) and binding.kind == "data"
+    ]
+    if found is None:
+        message, hint = f"there is no variable '{name.text}'", nearest(name.text, known)
+    else:
+        message, hint = f"'{name.text}' is no variable", "only what stands under `data` can be set"
+    raise UserError("unknown-variable", message, name.where, hint or "declare it under `data`")
+
+
+def _assignments(spec: ActionSpec, context: Context) -> list[tuple[Binding, Compiled]]:
+    found = []
+    for name, node in _map(spec.node, spec.kind):
+        variable = _variable(name, context)
+        place = variable.type
+        if spec.kind == "append":
+            if not fits(ListOf(), place):
+                _mistyped(name, f"'{name.text}' is {place}, and only a list can be appended to")
+            place = ANY
+        value = read_value(node, place, context)
+        if not fits(place, value.type):
+            _mistyped(name, f"'{name.text}' is {place}, not {value.type}")
+        found.append((variable, value))
+    return found
+
+
+def _mistyped(name: Scalar, message: str) -> NoReturn:
+    raise UserError("wrong-type", message, name.where)
+
+
+def _set(spec: ActionSpec, context: Context) -> Action:
+    assignments = _assignments(spec, context)
+
+    def run(instance: Any, event: dict[str, Any]) -> None:
+        slots = instance.slots
+        # All right sides first, so that {a: $b, b: $a} swaps.
+        values = [bounded(convert(value(slots, event), v.type)) for v, value in assignments]
+        for (variable, _), value in zip(assignments, values, strict=True):
+            slots[variable.slot] = value
+            instance.record("set", name=variable.name, value=value)
+
+    return Action("set", run)
+
+
+def _append(spec: ActionSpec, context: Context) -> Action:
+    assignments = _assignments(spec, context)
+
+    def run(instance: Any, event: dict[str, Any]) -> None:
+        slots = instance.slots
+        values = [value(slots, event) for _, value in assignments]
+        for (variable, _), value in zip(assignments, values, strict=True):
+            # A new list: whoever read the old one keeps what was read.
+            slots[variable.slot] = bounded([*(slots[variable.slot] or ()), value])
+            instance.record("append", name=variable.name, value=value)
+
+    return Action("append", run)
+
+
+def _fields(
+    node: Node | None, shape: Mapping[str, Type], context: Context, where: Where
+) -> Compiled:
+    """The fields of an event; those declared for it must be there."""
+    fields = MapOf(shape, frozenset(shape)) if shape else MapOf()
+    return read_value(node if node is not None else MapNode([], where), fields, context)
+
+
+def _event_name(node: Node | None, where: Where) -> str:
+    name = node.text if isinstance(node, Scalar) else ""
+    if not _EVENT.fullmatch(name):
+        raise UserError("bad-event", "the name of an event with a dot is missing here", where)
+    if name.startswith("error."):
+        raise UserError("bad-event", f"'{name}' is not yours to raise", where)
+    return name
+
+
+def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
+    node = spec.node
+    body: Node | None = None
+    if isinstance(node, MapNode):
+        if len(node.entries) != 1:
+            raise UserError("wrong-type", "`raise` names one event", node.where)
+        key, body = node.entries[0]
+        name = _event_name(key, key.where)
+    else:
+        name = _event_name(node, node.where)
+    fields = _fields(body, events.get(name, {}), context, node.where)
+    return Action("raise", lambda i, e: i.raise_event(name, fields(i.slots, e)))
+
+
+def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
+    node = _map(spec.node, "send")
+    for key, _ in node:
+        if key.text == "to":
+            raise UserError(
+                "not-yet", "`to` needs a fleet, which this version does not fly", key.where
+            )
+        if key.text not in _SEND_KEYS:
+            hint = nearest(key.text, _SEND_KEYS)
+            raise UserError("unknown-key", f"`send` has no '{key.text}'", key.where, hint)
+    name = _event_name(node.get("event"), node.where)
+    fields = _fields(node.get("with"), events.get(name, {}), context, node.where)
+    delay_node, id_node = node.get("delay"), node.get("id")
+    delay = read_value(delay_node, Number(TIME, 0.0), context) if delay_node else None
+    id_ = read_value(id_node, TEXT, context) if id_node else None
+
+    def run(instance: Any, event: dict[str, Any]) -> None:
+        slots = instance.slots
+        instance.send(
+            name,
+            fields(slots, event),
+            delay(slots, event) if delay else 0.0,
+            id_(slots, event) if id_ else name,
+        )
+
+    return Action("send", run)
+
+
+def _cancel(spec: ActionSpec, context: Context) -> Action:
+    id_ = read_value(spec.node, TEXT, context)
+    return Action("cancel", lambda i, e: i.cancel(id_(i.slots, e)))

@@ -1,0 +1,238 @@
+"""What a compiled graph must fulfil before it may fly: handled outcomes, ways out, one pilot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from fsm.graph import Edge, Graph, Node, default_entry
+from vencejo.errors import Fault
+
+
+def check(graph: Graph) -> list[Fault]:
+    """Every fault of the structure; errors would keep it from flying, warnings would not."""
+    return [
+        *_unhandled_outcomes(graph),
+        *_endless_states(graph),
+        *_companions(graph),
+        *_two_owners(graph),
+        *_region_restarts(graph),
+        *_dead_alternatives(graph),
+        *_endless_always(graph),
+        *_durations(graph),
+        *_unreachable(graph),
+    ]
+
+
+def _handles(node: Node, word: str, graph: Graph) -> tuple[Edge, ...]:
+    return node.edges_for(word, graph.vocabulary)
+
+
+def _unhandled_outcomes(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        words = set(node.invocation.behavior.outcomes) if node.invocation else set()
+        finals = [child for child in node.children if child.type == "final"]
+        words |= {final.outcome for final in finals} if node.parent is not None else set()
+        if node.type == "parallel" and all(map(_can_finish, default_entry(node))):
+            words.add("done")
+        for word in sorted(words - {"failed"}):
+            chain = (node,) if word == "done" else (node, *node.ancestors)
+            edges = [edge for around in chain for edge in _handles(around, word, graph)]
+            region = node.parent is not None and node.parent.type == "parallel"
+            if not edges and not (word == "done" and region):
+                what = (
+                    f"'{node.invocation.behavior.name}' ends"
+                    if node.invocation
+                    else "this state ends"
+                )
+                yield Fault(
+                    "unhandled-outcome",
+                    f"{what} with '{word}', and nothing in '{node.path}' says what comes then",
+                    node.where,
+                    f"on: {{{word}: …}}"
+                    + ("" if word == "done" else ", here or in a state around it"),
+                )
+            elif edges and all(edge.guard is not None for edge in edges):
+                yield Fault(
+                    "guarded-outcome",
+                    f"every way out of '{word}' has a guard: none may pass",
+                    edges[-1].where,
+                    "end the list with an alternative without guard",
+                )
+
+
+def _can_finish(node: Node) -> bool:
+    if node.type == "parallel":
+        return all(map(_can_finish, default_entry(node)))
+    if node.children:
+        return any(child.type == "final" for child in node.children)
+    return node.invocation is not None and "done" in node.invocation.behavior.outcomes
+
+
+def _endless_states(graph: Graph) -> Iterator[Fault]:
+    """A state that nothing leaves: no transition out of it, nor out of any state around it."""
+    for node in graph.nodes:
+        if node.children or node.type in ("final", "history"):
+            continue
+        around = (node, *node.ancestors)
+        if not any(_leaves(edge, node) for place in around for edge in place.edges()):
+            yield Fault(
+                "no-way-out",
+                f"nothing ever leaves '{node.path or graph.name}'",
+                node.where,
+                "give it a transition with a target, or make it `type: final`",
+            )
+
+
+def _leaves(edge: Edge, node: Node) -> bool:
+    return edge.domain is not None and (edge.domain.contains(node) or edge.domain is node)
+
+
+def _companions(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        if node.children and node.invocation and "done" in node.invocation.behavior.outcomes:
+            yield Fault(
+                "ending-companion",
+                f"'{node.invocation.behavior.name}' ends by itself and cannot accompany states",
+                node.where,
+                "`done` of a state with `states` means its children; put the behaviour in one of them",
+            )
+
+
+def _controls(node: Node) -> set[str]:
+    return set(node.invocation.behavior.controls) if node.invocation else set()
+
+
+def _two_owners(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        for ancestor in node.ancestors:
+            for shared in sorted(_controls(node) & _controls(ancestor)):
+                yield _owners(node, ancestor, shared)
+        if node.type != "parallel":
+            continue
+        seen: dict[str, Node] = {}
+        for region in default_entry(node):
+            own: dict[str, Node] = {}
+            for inner in graph.nodes[region.index : region.last + 1]:
+                own.update(dict.fromkeys(_controls(inner), inner))
+            for shared in sorted(set(own) & set(seen)):
+                yield _owners(own[shared], seen[shared], shared)
+            seen.update(own)
+
+
+def _owners(a: Node, b: Node, what: str) -> Fault:
+    return Fault(
+        "two-owners",
+        f"'{a.path}' and '{b.path}' can be active together and both control the {what}",
+        a.where,
+        "only one behaviour at a time may",
+    )
+
+
+def _region_restarts(graph: Graph) -> Iterator[Fault]:
+    """Three targets whose W3C meaning restarts sibling regions."""
+    for node in graph.nodes:
+        for edge in node.edges():
+            if edge.reenter or edge.domain is None:
+                continue
+            for parallel in (node, *node.ancestors):
+                if (
+                    parallel.type == "parallel"
+                    and any(parallel.contains(target) for target in edge.targets)
+                    and edge.domain is not None
+                    and not parallel.contains(edge.domain)
+                ):
+                    yield Fault(
+                        "region-restart",
+                        f"this target restarts all regions of '{parallel.path}'",
+                        edge.where,
+                        "say so with `reenter: true`, or choose a target inside the region",
+                    )
+                    break
+
+
+def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
+    yield from (edges for _, edges in node.on)
+    yield from (when.edges for when in node.whens)
+    yield from (after.edges for after in node.afters)
+    yield node.always
+
+
+def _dead_alternatives(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        for edges in _groups(node):
+            for earlier, later in zip(edges, edges[1:], strict=False):
+                if earlier.guard is None and earlier.hold is None:
+                    yield Fault(
+                        "dead-alternative",
+                        "this alternative is never reached: the one before it takes all",
+                        later.where,
+                        "give the one before it a guard, or put this one first",
+                    )
+
+
+def _endless_always(graph: Graph) -> Iterator[Fault]:
+    """A loop of unguarded ``always`` transitions would never come to rest."""
+    for start in graph.nodes:
+        node, seen = start, set[int]()
+        while True:
+            edge = next((edge for edge in node.always if edge.guard is None), None)
+            if edge is None or len(edge.targets) != 1:
+                break
+            node = edge.targets[0]
+            while node.initial and len(node.initial) == 1 and not node.always:
+                node = node.initial[0]
+            if node is start:
+                yield Fault("endless-always", "these `always` transitions never end", edge.where)
+            if node.index in seen:
+                break
+            seen.add(node.index)
+
+
+def _durations(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        seen: dict[float, str] = {}
+        for after in node.afters:
+            if not after.duration.constant:
+                continue
+            seconds = float(after.duration.value())
+            if seconds in seen:
+                yield Fault(
+                    "equal-durations",
+                    f"'{after.duration.source}' is the same as '{seen[seconds]}'",
+                    after.duration.where,
+                    "write one duration with a list of alternatives",
+                )
+            seen[seconds] = after.duration.source
+
+
+def _unreachable(graph: Graph) -> Iterator[Fault]:
+    """States that no transition leads to; guards are taken to pass."""
+    reached: set[int] = set()
+    pending: list[Node] = [graph.root]
+
+    def reach(nodes: Iterable[Node]) -> None:
+        pending.extend(node for node in nodes if node.index not in reached)
+
+    while pending:
+        node = pending.pop()
+        if node.index in reached:
+            continue
+        reached.add(node.index)
+        reach(node.ancestors)
+        reach(default_entry(node))
+        for edge in node.edges():
+            for target in edge.targets:
+                reach((target, *(target.initial if target.type == "history" else ())))
+                for ancestor in target.ancestors:
+                    if ancestor.type == "parallel":
+                        reach(default_entry(ancestor))
+    for node in graph.nodes:
+        inside_unreached = node.parent is not None and node.parent.index not in reached
+        if node.index not in reached and not inside_unreached:
+            yield Fault(
+                "unreachable",
+                f"nothing leads to the state '{node.path}'",
+                node.where,
+                "remove it, or name it as a target",
+                severity="warning",
+            )

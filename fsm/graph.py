@@ -1,0 +1,268 @@
+"""A mission compiled: states and transitions as `transitions` knows them, with everything resolved.
+
+A :class:`Graph` never changes once compiled and is shared by all its instances. ``Node`` is a
+``transitions.State`` and ``Edge`` a ``transitions.Transition``, so that callbacks added to them
+(``on_enter``, ``on_exit``, ``prepare``, ``before``, ``after``) and further conditions are honoured
+by :class:`fsm.machine.Instance`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from transitions.core import Condition, EventData, State, Transition
+
+from fsm.expressions import Compiled
+from fsm.spec import StateType, TriggerKind
+from fsm.types import Type
+from fsm.vocabulary import Behavior, Parameter, Vocabulary, matches
+from vencejo.errors import Fault, Where
+
+
+class Guard(Condition):
+    """A guard in `transitions`' form; its function is a compiled expression."""
+
+    def __init__(self, compiled: Compiled) -> None:
+        super().__init__(compiled)
+
+    def check(self, event_data: EventData) -> bool:
+        """Whether the guard passes for this event; one that fails to evaluate does not."""
+        model: Any = event_data.model
+        return model.evaluate(self.func, event_data.kwargs, False) is True
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """One step of an action block, ready to run."""
+
+    kind: str
+    run: Callable[[Any, dict[str, Any]], None]
+    """Of the instance and the fields of the event."""
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """A variable of a state."""
+
+    name: str
+    slot: int
+    type: Type
+    initial: Compiled
+
+
+@dataclass(frozen=True, slots=True)
+class Invocation:
+    """The ``do`` of a state."""
+
+    behavior: Behavior
+    with_: Mapping[str, Compiled]
+    live: Mapping[str, Compiled]
+    slot: int
+    """Where its published values stand; -1 when it publishes nothing."""
+
+
+class Edge(Transition):
+    """One alternative of a transition."""
+
+    def __init__(
+        self,
+        source: Node,
+        kind: TriggerKind,
+        trigger: str,
+        where: Where,
+        name: str = "",
+    ) -> None:
+        super().__init__(source.path, "")
+        self.node = source
+        self.kind = kind
+        self.trigger = trigger
+        self.where = where
+        self.label = name
+        self.targets: tuple[Node, ...] = ()
+        self.domain: Node | None = None
+        """The state whose inside is left; None when nothing is."""
+        self.entered: tuple[Node, ...] | None = ()
+        """States entered, outer first; None when history decides in flight."""
+        self.guard: Compiled | None = None
+        self.actions: tuple[Action, ...] = ()
+        self.hold: Compiled | None = None
+        self.reenter = False
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """A condition with its alternatives."""
+
+    condition: Compiled
+    edges: tuple[Edge, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class After:
+    """A duration with its alternatives."""
+
+    duration: Compiled
+    edges: tuple[Edge, ...]
+
+
+class Node(State):
+    """One state. ``path`` is its full name: ``patrol.follow``; the root's is empty."""
+
+    def __init__(self, name: str, path: str, type_: StateType, index: int, where: Where) -> None:
+        super().__init__(path, final=type_ == "final")
+        self.local_name = name
+        self.path = path
+        self.type = type_
+        self.index = index
+        self.where = where
+        self.description = ""
+        self.parent: Node | None = None
+        self.children: tuple[Node, ...] = ()
+        self.ancestors: tuple[Node, ...] = ()
+        """From the parent outwards to the root."""
+        self.last = index
+        """Index of the last state inside; document order makes ``index … last`` this subtree."""
+        self.initial: tuple[Node, ...] = ()
+        self.deep = False
+        self.entered_slot = -1
+        self.data: tuple[Data, ...] = ()
+        self.entry: tuple[Action, ...] = ()
+        self.exit_actions: tuple[Action, ...] = ()
+        self.throughout: tuple[Action, ...] = ()
+        self.invocation: Invocation | None = None
+        self.on: tuple[tuple[str, tuple[Edge, ...]], ...] = ()
+        self.always: tuple[Edge, ...] = ()
+        self.whens: tuple[When, ...] = ()
+        self.afters: tuple[After, ...] = ()
+        self.outcome = "done"
+        self.output: Mapping[str, Compiled] = {}
+        self._edges_of: dict[str, tuple[Edge, ...]] = {}
+
+    def contains(self, other: Node) -> bool:
+        """Whether ``other`` lies inside, this state itself apart."""
+        return self.index < other.index <= self.last
+
+    def edges(self) -> Iterable[Edge]:
+        """Every transition that stands in this state."""
+        for _, edges in self.on:
+            yield from edges
+        for when in self.whens:
+            yield from when.edges
+        for after in self.afters:
+            yield from after.edges
+        yield from self.always
+
+    def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
+        """The transitions this event or outcome may take here, in order."""
+        found = self._edges_of.get(event)
+        if found is None:
+            guarded = event.startswith("error.") or vocabulary.is_urgent(event)
+            found = tuple(
+                edge
+                for pattern, edges in self.on
+                if matches(pattern, event) or (pattern == "*" and not guarded)
+                for edge in edges
+            )
+            self._edges_of[event] = found
+        return found
+
+
+@dataclass(eq=False)
+class Graph:
+    """A compiled mission. Also what `transitions` calls the machine of an event."""
+
+    name: str
+    description: str
+    root: Node
+    nodes: Sequence[Node]
+    """All states in document order; the root is the first."""
+    parameters: Mapping[str, Parameter]
+    parameter_slots: Mapping[str, int]
+    vocabulary: Vocabulary
+    slots: int
+    initial_slots: Mapping[int, Any]
+    events: Mapping[str, Mapping[str, Type]]
+    world: str | None
+    outer_first: bool
+    warnings: tuple[Fault, ...] = ()
+    send_event: bool = True
+    by_path: Mapping[str, Node] = field(default_factory=dict)
+
+    def callbacks(self, functions: Iterable[Any], event_data: EventData) -> None:
+        """Run `transitions` callbacks with the event's data."""
+        for function in functions:
+            self.resolve_callable(function, event_data)(event_data)
+
+    def resolve_callable(self, function: Any, event_data: EventData) -> Any:
+        """A callback itself, or the model's method of that name; nothing is ever imported."""
+        return getattr(event_data.model, function) if isinstance(function, str) else function
+
+    def required(self) -> dict[str, Node]:
+        """Capabilities that the mission's behaviours need, each with a state that needs it."""
+        return {
+            capability: node
+            for node in reversed(self.nodes)
+            if node.invocation
+            for capability in node.invocation.behavior.requires
+        }
+
+
+def default_entry(node: Node) -> tuple[Node, ...]:
+    """Where an entry of a compound state goes on to, or the regions of a parallel one."""
+    if node.type == "parallel":
+        return tuple(child for child in node.children if child.type != "history")
+    return node.initial
+
+
+def entry_set(
+    domain: Node, targets: Iterable[Node], recorded: Callable[[Node], tuple[Node, ...]]
+) -> list[Node]:
+    """The states that a transition enters below ``domain``, in document order.
+
+    SCXML's computeEntrySet (W3C recommendation, appendix D); ``recorded`` gives the states a
+    history state stands for.
+    """
+    entering: dict[int, Node] = {}
+
+    def descend(node: Node) -> None:
+        if node.type == "history":
+            for restored in recorded(node):
+                descend(restored)
+                climb(restored, node.parent)
+            return
+        entering[node.index] = node
+        if node.type == "compound":
+            for initial in node.initial:
+                descend(initial)
+                climb(initial, node)
+        elif node.type == "parallel":
+            fill(node)
+
+    def climb(node: Node, stop: Node | None) -> None:
+        for ancestor in node.ancestors:
+            if ancestor is stop:
+                return
+            entering[ancestor.index] = ancestor
+            if ancestor.type == "parallel":
+                fill(ancestor)
+
+    def fill(parallel: Node) -> None:
+        for region in default_entry(parallel):
+            if not any(region.index <= index <= region.last for index in entering):
+                descend(region)
+
+    targets = tuple(targets)
+    # Every target is marked before the regions around them are filled with their defaults.
+    for target in targets:
+        if target.type != "history":
+            entering[target.index] = target
+            for ancestor in target.ancestors:
+                if ancestor is domain:
+                    break
+                entering[ancestor.index] = ancestor
+    for target in targets:
+        descend(target)
+        climb(target, domain)
+    return [entering[index] for index in sorted(entering)]

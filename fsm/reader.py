@@ -1,0 +1,367 @@
+"""Reads the nodes of a mission file into its :mod:`fsm.spec`; finds every mistake of form."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import cast, get_args
+
+from fsm.spec import (
+    ActionKind,
+    ActionSpec,
+    DefineSpec,
+    MissionSpec,
+    Named,
+    StateSpec,
+    StateType,
+    TransitionSpec,
+    TriggerKind,
+    TriggerSpec,
+)
+from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind, read_file, read_text
+
+LANGUAGE = 1
+MAX_STATE_DEPTH = 64
+
+ROOT_KEYS = frozenset(
+    ["mission", "description", "world", "language", "uses", "places", "parameters", "events", "priority"]
+)
+STATE_KEYS = frozenset(
+    ["states", "initial", "type", "data", "define", "entry", "exit", "throughout", "do", "with", "live", "as", "on", "when", "after", "always", "description"]
+)
+FINAL_KEYS = frozenset({"type", "outcome", "output", "entry", "description"})
+HISTORY_KEYS = frozenset({"type", "deep", "target", "description"})
+NOT_YET = frozenset({"include", "graphs", "filters", "breakpoint", "fleet", "vehicles", "until"})
+"""Words of the language that this version does not fly yet."""
+TRANSITION_KEYS = frozenset({"target", "guard", "actions", "for", "reenter", "name", "description"})
+ACTIONS = frozenset(get_args(ActionKind))
+
+_STATE_NAME = re.compile(r"[a-z][a-z0-9_]*")
+_MISSION_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
+_TRIGGER = re.compile(r"\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?")
+_DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
+
+
+def read_mission(path: Path, shown_as: str | None = None) -> MissionSpec:
+    """The mission of a file. Raises UserError with all mistakes of form at once."""
+    return mission_of(read_file(path, shown_as), shown_as or str(path), path.stem)
+
+
+def read_mission_text(text: str, file: str = "mission.yaml") -> MissionSpec:
+    """The mission of a text. Raises UserError with all mistakes of form at once."""
+    return mission_of(read_text(text, file), file, Path(file).stem)
+
+
+def mission_of(node: Mapping, file: str, name: str) -> MissionSpec:
+    reader = _Reader()
+    spec = reader.mission(node, file, name)
+    if reader.faults:
+        raise UserError.of(reader.faults)
+    return spec
+
+
+class _Reader:
+    """Collects faults while it reads, so that one look shows them all."""
+
+    def __init__(self) -> None:
+        self.faults: list[Fault] = []
+
+    def fail(self, code: str, message: str, where: Where, hint: str | None = None) -> None:
+        self.faults.append(Fault(code, message, where, hint))
+
+    def mission(self, node: Mapping, file: str, stem: str) -> MissionSpec:
+        known = ROOT_KEYS | STATE_KEYS
+        self.keys(node, known, "a mission")
+        name = self.text(node, "mission") or stem
+        if not _MISSION_NAME.fullmatch(name):
+            where = self.where(node, "mission")
+            self.fail(
+                "bad-name", f"'{name}' is no name for a mission", where, "letters, digits, - and _"
+            )
+        language = node.get("language")
+        if isinstance(language, Scalar) and language.text != str(LANGUAGE):
+            self.fail(
+                "unknown-language",
+                f"this version reads language {LANGUAGE}, not {language.text}",
+                language.where,
+            )
+        if node.get("states") is None and node.get("do") is None:
+            self.fail(
+                "no-states",
+                "a mission needs `states`",
+                node.where,
+                "see `drone-cli new` for a start",
+            )
+        priority = self.choice(node, "priority", ("inner", "outer")) or "inner"
+        return MissionSpec(
+            name=name,
+            file=file,
+            root=self.state("", node, node.where, 0),
+            description=self.text(node, "description"),
+            world=self.scalar(node, "world"),
+            uses=self.scalars(node, "uses"),
+            places=self.named(node, "places", _NAME),
+            parameters=self.named(node, "parameters", _NAME),
+            events=self.named(node, "events", _EVENT),
+            outer_first=priority == "outer",
+            node=node,
+        )
+
+    # -- states -----------------------------------------------------------------------------
+
+    def state(self, name: str, node: Mapping, where: Where, depth: int) -> StateSpec:
+        root = depth == 0
+        if depth > MAX_STATE_DEPTH:
+            raise UserError("too-deep", f"states nest at most {MAX_STATE_DEPTH} deep", where)
+        declared = self.choice(node, "type", ("parallel", "final", "history"))
+        type_ = cast(StateType, declared or ("compound" if node.get("states") else "atomic"))
+        allowed = {"final": FINAL_KEYS, "history": HISTORY_KEYS}.get(type_, STATE_KEYS)
+        if not root:
+            self.keys(node, allowed, f"a {declared} state" if declared else "a state")
+        states = self.states(node, depth)
+        if type_ == "parallel" and not states:
+            self.fail("no-states", "a parallel state needs `states`", where)
+        if node.get("with") and not node.get("do"):
+            self.fail("no-behaviour", "`with` needs a `do`", self.where(node, "with"))
+        if node.get("live") and not node.get("do"):
+            self.fail("no-behaviour", "`live` needs a `do`", self.where(node, "live"))
+        return StateSpec(
+            name=name,
+            where=where,
+            type=type_,
+            initial=self.scalar(node, "initial"),
+            description=self.text(node, "description"),
+            data=self.named(node, "data", _NAME),
+            define=self.defines(node),
+            entry=self.actions(node, "entry"),
+            exit=self.actions(node, "exit"),
+            throughout=self.actions(node, "throughout"),
+            do=self.scalar(node, "do"),
+            with_=self.named(node, "with", _NAME),
+            live=self.named(node, "live", _NAME),
+            as_=self.scalar(node, "as"),
+            triggers=self.triggers(node),
+            states=states,
+            outcome=self.outcome(node),
+            output=self.named(node, "output", _NAME),
+            deep=self.boolean(node, "deep"),
+            target=self.scalar(node, "target") if type_ == "history" else None,
+        )
+
+    def states(self, node: Mapping, depth: int) -> tuple[StateSpec, ...]:
+        children = []
+        for key, value in self.map(node, "states"):
+            if not _STATE_NAME.fullmatch(key.text):
+                self.fail(
+                    "bad-name",
+                    f"'{key.text}' is no name for a state",
+                    key.where,
+                    "a small letter, then small letters, digits and _",
+                )
+            if isinstance(value, Scalar) and value.null:
+                value = Mapping([], key.where)
+            if not isinstance(value, Mapping):
+                self.fail("wrong-type", f"a state is a map, not {kind(value)}", value.where)
+                continue
+            children.append(self.state(key.text, value, key.where, depth + 1))
+        return tuple(children)
+
+    def outcome(self, node: Mapping) -> str:
+        scalar = self.scalar(node, "outcome")
+        if scalar and not _STATE_NAME.fullmatch(scalar.text):
+            self.fail("bad-name", f"'{scalar.text}' is no outcome", scalar.where, "one small word")
+        return scalar.text if scalar else "done"
+
+    def defines(self, node: Mapping) -> tuple[DefineSpec, ...]:
+        found = []
+        for key, value in self.map(node, "define"):
+            match = _DEFINE.fullmatch(key.text)
+            arguments = (
+                tuple(
+                    argument.strip() for argument in (match[2] or "").split(",") if argument.strip()
+                )
+                if match
+                else ()
+            )
+            if not match or any(not _NAME.fullmatch(argument) for argument in arguments):
+                self.fail(
+                    "bad-name",
+                    f"'{key.text}' is no name to define",
+                    key.where,
+                    "name or name(a, b)",
+                )
+            elif isinstance(value, Scalar):
+                found.append(DefineSpec(match[1], arguments, value, key.where))
+            else:
+                self.fail(
+                    "wrong-type", f"a `define` is an expression, not {kind(value)}", value.where
+                )
+        return tuple(found)
+
+    # -- transitions ------------------------------------------------------------------------
+
+    def triggers(self, node: Mapping) -> tuple[TriggerSpec, ...]:
+        found: list[TriggerSpec] = []
+        kinds: tuple[TriggerKind, ...] = ("on", "when", "after")
+        for trigger in kinds:
+            for key, value in self.map(node, trigger):
+                if trigger == "on" and not _TRIGGER.fullmatch(key.text):
+                    self.fail(
+                        "bad-event",
+                        f"'{key.text}' is no outcome and no event",
+                        key.where,
+                        "an outcome is one word; an event has a dot"
+                        + (": is a blank missing after the colon?" if ":" in key.text else ""),
+                    )
+                found.append(self.trigger(trigger, key, value))
+        always = node.get("always")
+        if always is not None:
+            key = next(key for key, _ in node if key.text == "always")
+            found.append(self.trigger("always", key, always))
+        return tuple(found)
+
+    def trigger(self, trigger: TriggerKind, key: Scalar, value: Node) -> TriggerSpec:
+        many = isinstance(value, Sequence)
+        items = value.items if isinstance(value, Sequence) else [value]
+        if many and not items:
+            self.fail("empty-transition", "the list of alternatives is empty", value.where)
+        alternatives = [self.transition(trigger, key, item) for item in items]
+        return TriggerSpec(trigger, key, tuple(a for a in alternatives if a is not None))
+
+    def transition(self, trigger: TriggerKind, key: Scalar, node: Node) -> TransitionSpec | None:
+        if isinstance(node, Scalar):
+            if node.null or not node.text:
+                hint = "name a target, or write {} for `taken, nothing happens`"
+                if ":" in key.text:
+                    hint = "is a blank missing after the colon? " + hint
+                elif any(mark in key.text for mark in "([{"):
+                    hint = "a key with a comma or bracket inside `{ }` needs quotes"
+                self.fail("empty-transition", f"'{key.text}' leads nowhere", key.where, hint)
+                return None
+            return TransitionSpec((node,), node.where)
+        if isinstance(node, Sequence):
+            self.fail(
+                "wrong-type",
+                "a list is a list of alternatives; this is one inside another",
+                node.where,
+                "several regions are entered by `target: [a, b]`",
+            )
+            return None
+        self.keys(node, TRANSITION_KEYS, "a transition")
+        hold = self.scalar(node, "for")
+        if hold and trigger != "when":
+            self.fail("misplaced-for", "`for` belongs to `when` only", self.where(node, "for"))
+        return TransitionSpec(
+            targets=self.scalars(node, "target"),
+            where=node.where,
+            guard=self.scalar(node, "guard"),
+            actions=self.actions(node, "actions"),
+            hold=hold,
+            reenter=self.boolean(node, "reenter"),
+            name=self.text(node, "name"),
+            description=self.text(node, "description"),
+        )
+
+    def actions(self, node: Mapping, key: str) -> tuple[ActionSpec, ...]:
+        value = node.get(key)
+        if value is None:
+            return ()
+        found = []
+        for block in value.items if isinstance(value, Sequence) else [value]:
+            if not isinstance(block, Mapping):
+                self.fail(
+                    "wrong-type",
+                    f"actions are a map like {{log: text}}, or a list of such, not {kind(block)}",
+                    block.where,
+                )
+                continue
+            self.keys(block, ACTIONS, "actions")
+            for name, argument in block:
+                if name.text in ACTIONS:
+                    found.append(ActionSpec(cast(ActionKind, name.text), argument, name.where))
+        return tuple(found)
+
+    # -- pieces -----------------------------------------------------------------------------
+
+    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> None:
+        for key, _ in node:
+            if key.text in allowed:
+                continue
+            if key.text in NOT_YET:
+                self.fail(
+                    "not-yet",
+                    f"'{key.text}' is part of the language but not of this version",
+                    key.where,
+                )
+                continue
+            hint = nearest(key.text, allowed)
+            if key.text in ROOT_KEYS:
+                hint = f"'{key.text}' stands at the top of the file only"
+            elif ":" in key.text:
+                hint = "is a blank missing after the colon?"
+            self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+
+    def where(self, node: Mapping, key: str) -> Where:
+        return next((name.where for name, _ in node if name.text == key), node.where)
+
+    def _expect(
+        self, node: Mapping, key: str, what: str, test: Callable[[Node], bool]
+    ) -> Node | None:
+        value = node.get(key)
+        if value is None or test(value):
+            return value
+        self.fail("wrong-type", f"`{key}` is {what}, not {kind(value)}", value.where)
+        return None
+
+    def scalar(self, node: Mapping, key: str) -> Scalar | None:
+        value = self._expect(node, key, "a text", lambda v: isinstance(v, Scalar) and not v.null)
+        return value if isinstance(value, Scalar) else None
+
+    def text(self, node: Mapping, key: str) -> str:
+        scalar = self.scalar(node, key)
+        return scalar.text if scalar else ""
+
+    def boolean(self, node: Mapping, key: str) -> bool:
+        value = self.choice(node, key, ("true", "false"))
+        return value == "true"
+
+    def choice(self, node: Mapping, key: str, options: tuple[str, ...]) -> str | None:
+        scalar = self.scalar(node, key)
+        if scalar is None or scalar.text in options:
+            return scalar.text if scalar else None
+        self.fail(
+            "unknown-word",
+            f"`{key}` is {' or '.join(options)}, not '{scalar.text}'",
+            scalar.where,
+            nearest(scalar.text, options),
+        )
+        return None
+
+    def scalars(self, node: Mapping, key: str) -> tuple[Scalar, ...]:
+        value = node.get(key)
+        items = value.items if isinstance(value, Sequence) else [value] if value is not None else []
+        found = []
+        for item in items:
+            if isinstance(item, Scalar) and not item.null:
+                found.append(item)
+            else:
+                self.fail("wrong-type", f"`{key}` is a text or a list of texts", item.where)
+        return tuple(found)
+
+    def map(self, node: Mapping, key: str) -> list[tuple[Scalar, Node]]:
+        value = self._expect(node, key, "a map", lambda v: isinstance(v, Mapping))
+        return value.entries if isinstance(value, Mapping) else []
+
+    def named(self, node: Mapping, key: str, pattern: re.Pattern[str]) -> tuple[Named, ...]:
+        found = []
+        for name, value in self.map(node, key):
+            if not pattern.fullmatch(name.text):
+                what = "an event (it needs a dot)" if pattern is _EVENT else "a name"
+                self.fail("bad-name", f"'{name.text}' is not {what}", name.where)
+                continue
+            found.append(Named(name, value))
+        return tuple(found)

@@ -1,0 +1,46 @@
+"""Vehicles: the contract that missions fly on, and its backends found by name."""
+
+from hal.backends import backend_names, open_backend
+from hal.vehicle import (
+    PERIOD,
+    Camera,
+    Frame,
+    Hold,
+    Intrinsics,
+    Limits,
+    Observation,
+    Options,
+    Order,
+    Position,
+    Reading,
+    Sensor,
+    Session,
+    Setpoint,
+    Unavailable,
+    Vehicle,
+    Velocity,
+    VisionPose,
+)
+
+__all__ = [
+    "PERIOD",
+    "Camera",
+    "Frame",
+    "Hold",
+    "Intrinsics",
+    "Limits",
+    "Observation",
+    "Options",
+    "Order",
+    "Position",
+    "Reading",
+    "Sensor",
+    "Session",
+    "Setpoint",
+    "Unavailable",
+    "Vehicle",
+    "Velocity",
+    "VisionPose",
+    "backend_names",
+    "open_backend",
+]

@@ -1,0 +1,15 @@
+"""PX4 and ArduPilot over MAVLink: the name is taken, the flying is not there yet."""
+
+from __future__ import annotations
+
+from hal.vehicle import Options, Session
+from vencejo.errors import VehicleError
+
+
+def open_session(options: Options) -> Session:
+    """Raises VehicleError: this version flies the simulator only."""
+    raise VehicleError(
+        "backend-not-built",
+        "the backend 'mavlink' is not there yet; this version flies in the simulator only",
+        hint="fly the same file with --backend sim",
+    )

@@ -1,0 +1,88 @@
+"""Points and angles. Metres and radians; x east, y north, z up unless a caller says otherwise."""
+
+from __future__ import annotations
+
+from math import asin, atan2, cos, hypot, pi, sin, sqrt
+from typing import NamedTuple
+
+Quaternion = tuple[float, float, float, float]
+"""A rotation as (x, y, z, w), unit length."""
+
+EARTH_RADIUS = 6_378_137.0
+"""Equatorial radius of WGS 84, metres."""
+
+
+class Point(NamedTuple):
+    """A place or a vector of three metres (or metres per second)."""
+
+    x: float
+    y: float
+    z: float
+
+    def plus(self, other: tuple[float, float, float]) -> Point:
+        return Point(self.x + other[0], self.y + other[1], self.z + other[2])
+
+    def minus(self, other: tuple[float, float, float]) -> Point:
+        return Point(self.x - other[0], self.y - other[1], self.z - other[2])
+
+    def norm(self) -> float:
+        return sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
+
+
+def distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
+    """Straight-line distance between two points, metres."""
+    return sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+
+
+def bearing(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
+    """Direction from ``a`` to ``b`` over the ground, counter-clockwise from east, radians."""
+    return atan2(b[1] - a[1], b[0] - a[0])
+
+
+def wrap(angle: float) -> float:
+    """The same angle in (−π, π]."""
+    if -pi < angle <= pi:
+        return angle
+    turned = angle % (2 * pi)
+    return turned - 2 * pi if turned > pi else turned
+
+
+def yaw_of(q: Quaternion) -> float:
+    """Heading of a body, counter-clockwise from east, radians (ZYX Euler angles)."""
+    x, y, z, w = q
+    return atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def roll_pitch_of(q: Quaternion) -> tuple[float, float]:
+    """Roll and pitch of an FLU body, radians (ZYX Euler angles; pitch is positive nose down)."""
+    x, y, z, w = q
+    roll = atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    return roll, asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+
+
+def yaw_quaternion(yaw: float) -> Quaternion:
+    """The rotation of a level body that heads towards ``yaw``."""
+    return (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
+
+
+def rotate_xy(x: float, y: float, yaw: float) -> tuple[float, float]:
+    """A heading-frame vector (forward, left) turned into (east, north)."""
+    c, s = cos(yaw), sin(yaw)
+    return x * c - y * s, x * s + y * c
+
+
+def enu_of(lat: float, lon: float, origin_lat: float, origin_lon: float) -> tuple[float, float]:
+    """East and north of a place from an origin, metres; latitudes and longitudes in degrees.
+
+    Equirectangular projection on a sphere of the equatorial radius, as ArduPilot's
+    ``Location::get_distance_NE``; a few centimetres off at one kilometre.
+    """
+    to_rad = pi / 180
+    east = (lon - origin_lon) * to_rad * EARTH_RADIUS * cos(origin_lat * to_rad)
+    north = (lat - origin_lat) * to_rad * EARTH_RADIUS
+    return east, north
+
+
+def horizontal_distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
+    """Distance over the ground, metres."""
+    return hypot(a[0] - b[0], a[1] - b[1])

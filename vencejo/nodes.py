@@ -1,0 +1,290 @@
+"""YAML as people write it: nodes that know their place.
+
+A file becomes a tree of :class:`Scalar`, :class:`Sequence` and :class:`Mapping`, built from
+libyaml's events in one pass without recursion. Nothing is converted here: a scalar keeps its text
+and whether it was quoted, so that each reader can type it by the place it fills (YAML 1.2: only
+``true``, ``false``, ``null`` and decimal numbers are special). Anchors and ``<<`` are expanded;
+repeated keys, explicit tags and keys that are no plain text are refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import yaml
+
+from vencejo.errors import UserError, Where
+
+MAX_BYTES = 1 << 20
+MAX_NODES = 10_000
+MAX_DEPTH = 200
+"""Collections inside collections; 64 states deep need two each, and some for what is in them."""
+
+_PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A text as written; ``plain`` when it stood without quotes."""
+
+    text: str
+    where: Where
+    plain: bool = True
+
+    @property
+    def null(self) -> bool:
+        return self.plain and self.text in ("", "~", "null")
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A list."""
+
+    items: list[Node]
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """A map in the order of the file, its keys as written."""
+
+    entries: list[tuple[Scalar, Node]]
+    where: Where
+
+    def get(self, key: str) -> Node | None:
+        for name, value in self.entries:
+            if name.text == key:
+                return value
+        return None
+
+    def __iter__(self) -> Iterator[tuple[Scalar, Node]]:
+        return iter(self.entries)
+
+
+Node = Scalar | Sequence | Mapping
+
+
+def kind(node: Node) -> str:
+    """What a node is, in a person's words."""
+    if isinstance(node, Mapping):
+        return "a map"
+    if isinstance(node, Sequence):
+        return "a list"
+    return "nothing" if node.null else f"'{node.text}'"
+
+
+def read_file(path: Path, shown_as: str | None = None) -> Mapping:
+    """The map a YAML file consists of. Raises UserError for whatever keeps it from being one."""
+    name = shown_as or str(path)
+    place = Where(name)
+    if not path.exists():
+        raise UserError("no-such-file", f"there is no file '{name}'", place)
+    if path.is_dir():
+        raise UserError("not-a-file", f"'{name}' is a folder", place, "name a .yaml file inside it")
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise UserError("too-large", "the file is larger than 1 MiB", place)
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise UserError(
+            "not-text", f"the file is no UTF-8 text (byte {error.start})", place
+        ) from None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError("unreadable", f"cannot read '{name}': {reason}", place) from None
+    return read_text(text, name)
+
+
+def read_text(text: str, file: str) -> Mapping:
+    """The map a YAML text consists of. Raises UserError (see :func:`read_file`)."""
+    if len(text.encode()) > MAX_BYTES:
+        raise UserError("too-large", "the text is larger than 1 MiB", Where(file))
+    root = _Builder(file, text).build()
+    if root is None:
+        raise UserError("empty-file", "the file is empty", Where(file, 1, 1))
+    if not isinstance(root, Mapping):
+        raise UserError(
+            "not-a-map", f"the file must be a map of keys and values, not {kind(root)}", root.where
+        )
+    return root
+
+
+@dataclass(slots=True)
+class _Open:
+    """A collection whose end has not been seen."""
+
+    node: Sequence | Mapping
+    anchor: str | None
+    first_node: int
+    key: Scalar | None = None
+    seen: dict[str, Where] = field(default_factory=dict)
+    merged: list[tuple[Scalar, Node]] = field(default_factory=list)
+
+
+class _Builder:
+    """Turns the events of one document into nodes."""
+
+    def __init__(self, file: str, text: str) -> None:
+        self.file = file
+        self.text = text
+        self.count = 0
+        self.open: list[_Open] = []
+        self.anchors: dict[str, tuple[Node, int]] = {}
+        self.root: Node | None = None
+
+    def build(self) -> Node | None:
+        try:
+            for event in yaml.parse(self.text, Loader=_PARSER):
+                self._take(event)
+        except yaml.MarkedYAMLError as error:
+            raise _syntax_error(error, self.file, self.text) from None
+        except yaml.YAMLError as error:
+            raise UserError("bad-yaml", f"this is no YAML: {error}", Where(self.file)) from None
+        return self.root
+
+    def _place(self, event: yaml.Event) -> Where:
+        mark = event.start_mark
+        return Where(self.file, mark.line + 1, mark.column + 1)
+
+    def _take(self, event: yaml.Event) -> None:
+        if isinstance(event, yaml.ScalarEvent):
+            where = self._place(event)
+            self._refuse_tag(event, where)
+            self._count(1, where)
+            self._add(Scalar(event.value, where, plain=event.implicit[0]), event.anchor, 1)
+        elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
+            where = self._place(event)
+            self._refuse_tag(event, where)
+            self._count(1, where)
+            if len(self.open) >= MAX_DEPTH:
+                raise UserError("too-deep", f"more than {MAX_DEPTH} levels of nesting", where)
+            is_map = isinstance(event, yaml.MappingStartEvent)
+            opened = Mapping([], where) if is_map else Sequence([], where)
+            self.open.append(_Open(opened, event.anchor, self.count))
+        elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
+            closed = self.open.pop()
+            if isinstance(closed.node, Mapping):
+                closed.node.entries.extend(
+                    entry for entry in closed.merged if entry[0].text not in closed.seen
+                )
+            self._add(closed.node, closed.anchor, self.count - closed.first_node + 1)
+        elif isinstance(event, yaml.AliasEvent):
+            where = self._place(event)
+            if event.anchor not in self.anchors:
+                raise UserError(
+                    "unknown-anchor",
+                    f"'*{event.anchor}' names no anchor above it",
+                    where,
+                    'an event that takes all is written "*", with quotes',
+                )
+            node, size = self.anchors[event.anchor]
+            self._count(size, where)
+            self._add(node, None, size)
+        elif isinstance(event, yaml.DocumentStartEvent) and self.root is not None:
+            raise UserError(
+                "two-documents",
+                "a file holds one document; '---' starts a second",
+                self._place(event),
+            )
+
+    def _count(self, nodes: int, where: Where) -> None:
+        self.count += nodes
+        if self.count > MAX_NODES:
+            raise UserError("too-many-nodes", f"more than {MAX_NODES} values in one file", where)
+
+    def _refuse_tag(self, event: yaml.NodeEvent, where: Where) -> None:
+        tag = getattr(event, "tag", None)
+        if tag is not None:
+            shown = tag.replace("tag:yaml.org,2002:", "!!")
+            raise UserError(
+                "custom-tag",
+                f"the tag '{shown}' is not part of the language",
+                where,
+                "remove it; a text that begins with '!' needs quotes, and a negation is `not`",
+            )
+
+    def _add(self, node: Node, anchor: str | None, size: int) -> None:
+        if anchor is not None:
+            self.anchors[anchor] = (node, size)
+        if not self.open:
+            self.root = node
+            return
+        parent = self.open[-1]
+        if isinstance(parent.node, Sequence):
+            parent.node.items.append(node)
+        elif parent.key is None:
+            parent.key = self._key(node, parent)
+        else:
+            key, parent.key = parent.key, None
+            if key.plain and key.text == "<<":
+                parent.merged.extend(_merged(node))
+            else:
+                parent.node.entries.append((key, node))
+
+    def _key(self, node: Node, parent: _Open) -> Scalar:
+        if not isinstance(node, Scalar):
+            raise UserError(
+                "bad-key",
+                f"a key must be a text, not {kind(node)}",
+                node.where,
+                'a text with `{`, `[` or `${` in it must stand in quotes: "${…}"',
+            )
+        if not (node.plain and node.text == "<<"):
+            if node.text in parent.seen:
+                raise UserError(
+                    "duplicate-key",
+                    f"'{node.text}' stands twice in one map; first at {parent.seen[node.text]}",
+                    node.where,
+                    "join the two, or rename one",
+                )
+            parent.seen[node.text] = node.where
+        return node
+
+
+def _merged(node: Node) -> list[tuple[Scalar, Node]]:
+    """The entries that ``<<`` brings in; of several maps the earlier one wins."""
+    sources = node.items if isinstance(node, Sequence) else [node]
+    entries: list[tuple[Scalar, Node]] = []
+    names: set[str] = set()
+    for source in sources:
+        if not isinstance(source, Mapping):
+            raise UserError("bad-merge", f"`<<` takes a map, not {kind(source)}", source.where)
+        for key, value in source.entries:
+            if key.text not in names:
+                names.add(key.text)
+                entries.append((key, value))
+    return entries
+
+
+def _syntax_error(error: yaml.MarkedYAMLError, file: str, text: str) -> UserError:
+    """The parser's complaint with a hint that names the cure, where the cause can be told."""
+    mark = error.problem_mark or error.context_mark
+    line, column = (mark.line, mark.column) if mark else (0, 0)
+    lines = text.splitlines()
+    source = lines[line] if line < len(lines) else ""
+    indent = source[: len(source) - len(source.lstrip())]
+    previous = lines[line - 1] if 0 < line <= len(lines) else ""
+    hint: str | None = None
+    if "\t" in indent or "\t" in previous[: len(previous) - len(previous.lstrip())]:
+        return UserError(
+            "tab-indent",
+            "a tab stands in the indentation",
+            Where(file, line + 1, indent.find("\t") + 1 if "\t" in indent else column + 1),
+            "indent with spaces; YAML allows no tabs there",
+        )
+    if re.search(r"[{,\[:]\s*\$\{", source):
+        hint = '`${…}` inside `{ }` or `[ ]` needs quotes: "${…}"'
+    elif re.search(r"(^|[\s{,])\*\s*:", source):
+        hint = 'an event that takes all is written "*", with quotes'
+    elif "[" in source and "{" in source:
+        hint = "inside `{ }` a key or text with `[`, `{` or `,` needs quotes, or use block style"
+    elif re.search(r":\s[^{\['\"]*:\s", source):
+        hint = "a text that contains `: ` needs quotes"
+    problem = error.problem or "the text cannot be read"
+    context = f" {error.context}" if error.context else ""
+    return UserError(
+        "bad-yaml", f"this is no YAML: {problem}{context}", Where(file, line + 1, column + 1), hint
+    )
