@@ -135,7 +135,8 @@ class Flight:
 
     def observe(self) -> Observation:
         """Take the observation of a new period."""
-        seen = self._vehicle.observe()
+        seen = self.world = self._vehicle.observe()
+        """The observation as the vehicle gave it, world frame: for records."""
         frame = self.frame
         self.observation = dataclasses.replace(
             seen, position=frame.from_world(seen.position), home=frame.from_world(seen.home)

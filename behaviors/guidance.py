@@ -15,7 +15,7 @@ from vencejo.geometry import Point, bearing, distance, horizontal_distance, wrap
 ACCELERATION = 2.0
 """How fast the reference changes its velocity, m/s²."""
 BRAKING = 1.2
-"""The deceleration it plans its stop with, m/s²; below ACCELERATION, so that it can keep the plan."""
+"""The deceleration it plans its stop with, m/s²; below ACCELERATION, so that it can keep it."""
 LEASH = 0.6
 """How far the reference may run ahead of the vehicle, metres."""
 MIN_TRAVEL = 0.3

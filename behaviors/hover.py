@@ -45,8 +45,6 @@ class Hover(Behavior):
             target = self.reference.position
         else:
             self.reference.step(target, SPEED, seen.position, flight.dt)
-        self.yaw = yaw_towards(
-            self.params.heading, seen.position, target, self.start_yaw, self.yaw
-        )
+        self.yaw = yaw_towards(self.params.heading, seen.position, target, self.start_yaw, self.yaw)
         flight.command(self.reference.setpoint(self.yaw))
         return None

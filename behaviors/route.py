@@ -50,7 +50,9 @@ class FlyRoute(Behavior):
         heading: Heading = param("travel", help="where a point names none")
         dwell: float = param(0.0, unit="s", min=0.0, help="stay at each point")
         tolerance: float = param(0.5, unit="m", min=0.02, help="distance that counts as reached")
-        yaw_tolerance: float = param(0.15, unit="rad", min=0.01, help="where a heading is asked for")
+        yaw_tolerance: float = param(
+            0.15, unit="rad", min=0.01, help="where a heading is asked for"
+        )
         timeout: float | None = param(None, unit="s", min=0.1, help="for one point; then blocked")
 
     outcomes: ClassVar[Mapping[str, type | None]] = {"done": None, "blocked": Blocked}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 
 from fsm.graph import Edge, Graph, Node, default_entry
 from vencejo.errors import Fault
@@ -94,7 +95,7 @@ def _companions(graph: Graph) -> Iterator[Fault]:
                 "ending-companion",
                 f"'{node.invocation.behavior.name}' ends by itself and cannot accompany states",
                 node.where,
-                "`done` of a state with `states` means its children; put the behaviour in one of them",
+                "`done` of a state with `states` means its children; move it into one of them",
             )
 
 
@@ -160,7 +161,7 @@ def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
 def _dead_alternatives(graph: Graph) -> Iterator[Fault]:
     for node in graph.nodes:
         for edges in _groups(node):
-            for earlier, later in zip(edges, edges[1:], strict=False):
+            for earlier, later in pairwise(edges):
                 if earlier.guard is None and earlier.hold is None:
                     yield Fault(
                         "dead-alternative",

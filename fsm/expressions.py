@@ -613,7 +613,21 @@ class _Translator:
 
 
 _TAKES_NUMBERS = frozenset(
-    ["abs", "clamp", "sign", "round", "floor", "sqrt", "sin", "cos", "atan2", "hypot", "wrap", "mod", "point"]
+    [
+        "abs",
+        "clamp",
+        "sign",
+        "round",
+        "floor",
+        "sqrt",
+        "sin",
+        "cos",
+        "atan2",
+        "hypot",
+        "wrap",
+        "mod",
+        "point",
+    ]
 )
 
 

@@ -55,7 +55,10 @@ POINT_FORMS: tuple[Mapping[str, Type], ...] = (
     MappingProxyType({"forward": _LENGTH, "left": _LENGTH, "up": _LENGTH}),
     MappingProxyType({"lat": _BARE, "lon": _BARE, "above_home": _LENGTH}),
 )
-_POINT_HELP = "write [x, y], [x, y, z], {x, y, z}, {forward, left, up}, {lat, lon, above_home}, home or a place"
+_POINT_HELP = (
+    "write [x, y], [x, y, z], {x, y, z}, {forward, left, up}, {lat, lon, above_home}, "
+    "home or a place"
+)
 _NAME = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*(?:\.[A-Za-z][A-Za-z0-9_]*)*)")
 _FORMAT = re.compile(r"[+]?(?:\d{1,2})?(?:\.\d{1,2})?[dfeg%]?")
 

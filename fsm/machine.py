@@ -149,9 +149,9 @@ class Instance:
         """Whether a behaviour that is at work controls ``motion`` (or another resource)."""
         for node in self.active:
             running = self._running.get(node.index)
-            if running is not None and not running.ended and node.invocation:
-                if resource in node.invocation.behavior.controls:
-                    return True
+            at_work = running is not None and not running.ended and node.invocation is not None
+            if at_work and node.invocation and resource in node.invocation.behavior.controls:
+                return True
         return False
 
     def __getattr__(self, name: str) -> Any:

@@ -26,10 +26,38 @@ LANGUAGE = 1
 MAX_STATE_DEPTH = 64
 
 ROOT_KEYS = frozenset(
-    ["mission", "description", "world", "language", "uses", "places", "parameters", "events", "priority"]
+    [
+        "mission",
+        "description",
+        "world",
+        "language",
+        "uses",
+        "places",
+        "parameters",
+        "events",
+        "priority",
+    ]
 )
 STATE_KEYS = frozenset(
-    ["states", "initial", "type", "data", "define", "entry", "exit", "throughout", "do", "with", "live", "as", "on", "when", "after", "always", "description"]
+    [
+        "states",
+        "initial",
+        "type",
+        "data",
+        "define",
+        "entry",
+        "exit",
+        "throughout",
+        "do",
+        "with",
+        "live",
+        "as",
+        "on",
+        "when",
+        "after",
+        "always",
+        "description",
+    ]
 )
 FINAL_KEYS = frozenset({"type", "outcome", "output", "entry", "description"})
 HISTORY_KEYS = frozenset({"type", "deep", "target", "description"})

@@ -1,4 +1,4 @@
-"""A mission as written: the structure of the file, with places, before names and types are known."""
+"""A mission as written: the structure of its file, with places, names and types not yet known."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class TransitionSpec:
 
 @dataclass(frozen=True, slots=True)
 class TriggerSpec:
-    """What starts a transition (an event, outcome, condition or duration), with its alternatives."""
+    """What starts a transition (event, outcome, condition or duration), with its alternatives."""
 
     kind: TriggerKind
     key: Scalar

@@ -16,7 +16,6 @@ Reaction = Literal["none", "land"]
 """What the host does about an event that no active state handles."""
 
 
-
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of a behaviour or of a mission."""
@@ -117,7 +116,7 @@ class Host(Protocol):
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
     ) -> Activity:
-        """Start a behaviour. Never raises: a behaviour that cannot start fails in its first step."""
+        """Start a behaviour. Never raises: one that cannot start fails in its first step."""
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered action."""

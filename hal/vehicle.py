@@ -254,6 +254,10 @@ class Session(Protocol):
     def places(self) -> Mapping[str, Point]:
         """Named places of the world, world frame."""
 
+    @property
+    def geographic(self) -> tuple[float, float, float] | None:
+        """Latitude, longitude (degrees) and altitude (m) of the world frame's zero, if known."""
+
     def wait(self) -> None:
         """Advance to the next mission period: physics is stepped, a real link waits.
 

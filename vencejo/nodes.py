@@ -147,6 +147,7 @@ class _Builder:
 
     def _place(self, event: yaml.Event) -> Where:
         mark = event.start_mark
+        assert mark is not None, "the parser marks every event"
         return Where(self.file, mark.line + 1, mark.column + 1)
 
     def _take(self, event: yaml.Event) -> None:

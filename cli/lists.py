@@ -1,0 +1,229 @@
+"""The commands that tell what there is: missions, behaviors, worlds, picture, completion."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cli import missions as known
+from cli.options import MissionName, Word
+from fsm import Behavior, Parameter
+from vencejo.errors import UserError, Where, nearest
+from vencejo.units import UNITS, format_quantity
+
+
+def _table(rows: list[tuple[str, str]]) -> None:
+    width = max((len(name) for name, _ in rows), default=0)
+    for name, text in rows:
+        click.echo(f"{name:<{width}}  {text}".rstrip())
+
+
+@click.command()
+@click.argument("name", required=False, type=MissionName())
+@click.option("--copy", is_flag=True, help="Copy it into ./missions, to change it.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def missions(name: str | None, copy: bool, as_json: bool) -> None:
+    """List the missions that can be run by name, or show what NAME does and takes."""
+    if name is None:
+        _list_missions(as_json)
+        return
+    found = known.find(name)
+    if copy:
+        _copy(found.path)
+        return
+    from cli.prepare import prepare
+
+    graph = prepare(found).graph
+    if as_json:
+        parameters = {p.name: _parameter(p) for p in graph.parameters.values()}
+        facts = {"mission": graph.name, "description": graph.description, "world": graph.world}
+        click.echo(json.dumps({**facts, "file": str(found.path), "parameters": parameters}))
+        return
+    click.echo(f"{graph.name}: {graph.description}\n  file   {found.shown_as}")
+    click.echo(f"  world  {graph.world or 'empty'}")
+    if graph.parameters:
+        click.echo("\nparameters (set with -p NAME=VALUE):")
+        _table([(f"  {p.name}", _described(p)) for p in graph.parameters.values()])
+
+
+def _list_missions(as_json: bool) -> None:
+    from fsm import read_mission
+
+    rows = []
+    for name, path in known.names().items():
+        try:
+            text = read_mission(path).description
+        except UserError as error:
+            text = f"(has a mistake: {error.faults[0].message})"
+        rows.append((name, text))
+    if as_json:
+        click.echo(json.dumps([{"mission": name, "description": text} for name, text in rows]))
+    else:
+        _table(rows)
+        click.echo("\ndrone-cli run NAME flies one, drone-cli missions NAME tells more.")
+
+
+def _copy(path: Path) -> None:
+    target = known.own_folder() / path.name
+    if target.exists():
+        raise UserError("exists", f"'{target}' exists already", Where(str(target)))
+    target.parent.mkdir(exist_ok=True)
+    shutil.copyfile(path, target)
+    click.echo(f"copied to {target}; `drone-cli run {path.stem}` now flies your copy")
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    return {
+        "type": str(parameter.type),
+        "required": parameter.required,
+        "default": parameter.default,
+        "live": parameter.live,
+        "help": parameter.help,
+    }
+
+
+def _described(parameter: Parameter) -> str:
+    if parameter.required:
+        default = "required"
+    elif parameter.default is None:
+        default = "default: none"
+    else:
+        dimension = getattr(parameter.type, "dimension", None)
+        if isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool):
+            unit = UNITS[parameter.unit][1] if parameter.unit else dimension
+            default = f"default: {format_quantity(parameter.default, unit)}"
+        else:
+            default = f"default: {json.dumps(parameter.default)}"
+    live = ", live" if parameter.live else ""
+    return f"{parameter.type} ({default}{live})  {parameter.help}".rstrip()
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def behaviors(name: str | None, as_json: bool) -> None:
+    """List the behaviours that missions are composed of, or explain NAME."""
+    from behaviors import Catalog
+
+    catalog = Catalog()
+    if name is None:
+        rows = [(key, catalog[key].help.partition("\n")[0]) for key in catalog]
+        if as_json:
+            click.echo(json.dumps([{"behavior": key, "help": text} for key, text in rows]))
+        else:
+            _table(rows)
+            click.echo("\ndrone-cli behaviors NAME tells its parameters and outcomes.")
+        return
+    if name not in catalog:
+        raise UserError(
+            "unknown-behaviour", f"there is no behaviour '{name}'", hint=nearest(name, catalog)
+        )
+    if as_json:
+        click.echo(json.dumps(_behavior_facts(catalog[name])))
+    else:
+        _explain(catalog[name])
+
+
+def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
+    def names(fields: Any) -> dict[str, str]:
+        return {name: str(type_) for name, type_ in fields.items()}
+
+    return {
+        "behavior": behavior.name,
+        "help": behavior.help,
+        "parameters": {p.name: _parameter(p) for p in behavior.parameters.values()},
+        "outcomes": {word: names(fields) for word, fields in behavior.outcomes.items()},
+        "events": {event: names(fields) for event, fields in behavior.events.items()},
+        "publishes": names(behavior.publishes),
+        "controls": list(behavior.controls),
+        "requires": list(behavior.requires),
+        "ends_landed": behavior.ends_landed,
+    }
+
+
+def _explain(behavior: Behavior) -> None:
+    click.echo(f"{behavior.name}\n\n{behavior.help}\n")
+    if behavior.parameters:
+        click.echo("parameters (`live` ones may also stand under `live:`):")
+        _table([(f"  {p.name}", _described(p)) for p in behavior.parameters.values()])
+    outcomes = [
+        (f"  {word}", f"event: {', '.join(fields)}" if fields else "")
+        for word, fields in behavior.outcomes.items()
+    ]
+    click.echo("\noutcomes:" + ("" if outcomes else " it never ends by itself"))
+    _table([*outcomes, ("  failed", "event: reason")])
+    if behavior.events:
+        click.echo("\nevents it raises:")
+        _table([(f"  {name}", ", ".join(fields)) for name, fields in behavior.events.items()])
+    if behavior.publishes:
+        click.echo("\nvalues it publishes:")
+        _table([(f"  {behavior.name}.{n}", str(type_)) for n, type_ in behavior.publishes.items()])
+    if behavior.controls:
+        click.echo(f"\ncontrols: {', '.join(behavior.controls)}")
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def worlds(name: str | None, as_json: bool) -> None:
+    """List the worlds that are shipped, or show NAME (or a file)."""
+    from worlds import find_world, world_names
+
+    if name is None:
+        rows = [(key, find_world(key).description) for key in world_names()]
+        if as_json:
+            click.echo(json.dumps([{"world": key, "description": text} for key, text in rows]))
+        else:
+            _table(rows)
+        return
+    world = find_world(name)
+    start = world.starts[0]
+    if as_json:
+        facts = {
+            "world": world.name,
+            "description": world.description,
+            "file": str(world.source),
+            "origin": [world.origin.lat, world.origin.lon, world.origin.alt],
+            "battery": world.battery,
+            "start": list(start.at),
+            "boxes": [box.name for box in world.boxes],
+            "places": {place: list(point) for place, point in world.places.items()},
+        }
+        click.echo(json.dumps(facts))
+        return
+    click.echo(f"{world.name}: {world.description}\n  file     {world.source}")
+    click.echo(f"  origin   {world.origin.lat:.5f}, {world.origin.lon:.5f}, {world.origin.alt:g} m")
+    click.echo(f"  start    {start.at.x:g}, {start.at.y:g}; battery {world.battery:.0%}")
+    if world.boxes:
+        click.echo(f"  boxes    {', '.join(box.name for box in world.boxes)}")
+    if world.places:
+        click.echo("  places:")
+        _table(
+            [(f"    {place}", f"{p.x:g}, {p.y:g}, {p.z:g}") for place, p in world.places.items()]
+        )
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+def picture(folder: Path) -> None:
+    """Draw the picture of the run in FOLDER, also of one that was killed."""
+    from cli.picture import draw
+
+    click.echo(draw(folder))
+
+
+@click.command()
+@click.argument("shell", type=Word(["bash", "zsh", "fish"]))
+def completion(shell: str) -> None:
+    """Print the completion script of SHELL: `source <(drone-cli completion bash)`."""
+    from click.shell_completion import get_completion_class
+
+    from cli.main import app
+
+    script = get_completion_class(shell)
+    assert script is not None
+    click.echo(script(app, {}, "drone-cli", "_DRONE_CLI_COMPLETE").source())

@@ -1,0 +1,39 @@
+"""drone-cli new: a mission to start from, with a behaviour of one's own and a test."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from vencejo.errors import UserError, Where
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+@click.command()
+@click.argument("name")
+def new(name: str) -> None:
+    """Make the folder NAME with a mission, a behaviour of its own and a test of both.
+
+    All three work at once; change them bit by bit.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise UserError(
+            "bad-name", f"'{name}' is no name for a mission", hint="small letters, digits and _"
+        )
+    folder = Path(name)
+    if folder.exists():
+        raise UserError("exists", f"'{name}' exists already", Where(name), "choose another name")
+    folder.mkdir()
+    for template in sorted(TEMPLATES.glob("*.txt")):
+        target = folder / template.stem.replace("NAME", name)
+        target.write_text(template.read_text("utf-8").replace("NAME", name), "utf-8")
+        click.echo(f"wrote {target}")
+    click.echo(
+        f"\ntry:\n"
+        f"  drone-cli check {folder}/{name}.yaml\n"
+        f"  drone-cli run {folder}/{name}.yaml --speed 2\n"
+        f"  python -m pytest {folder}          (pip install pytest)"
+    )

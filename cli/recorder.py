@@ -1,0 +1,125 @@
+"""The run folder: what a flight leaves behind. Written in flight by appending only.
+
+``events.jsonl`` holds one JSON object a line and nothing of this machine or this moment, so that
+equal runs give equal bytes; ``docs/runs.md`` describes it and ``telemetry.csv``.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, is_dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import IO, Any
+
+from behaviors import Pilot
+from fsm.machine import Record
+from hal.vehicle import Observation
+from vencejo.errors import UserError, Where
+from vencejo.geometry import roll_pitch_of
+
+FORMAT = "vencejo.events"
+FORMAT_VERSION = 1
+TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
+_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s\n"
+_FLUSH_EVERY = 40
+"""Rows of telemetry between two flushes: what a killed run may lose is one second."""
+
+
+def as_json(value: Any) -> Any:
+    """What json cannot write by itself: points as lists, records as maps."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    if isinstance(value, (set, frozenset)):
+        return sorted(value)
+    return str(value)
+
+
+_encode = json.JSONEncoder(
+    ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=as_json
+).encode
+
+
+def new_folder(parent: Path, stamp: str, mission: str) -> Path:
+    """Make ``<parent>/<stamp>-<mission>[-n]``, a name nobody has. Raises UserError."""
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        for number in range(1, 10_000):
+            folder = parent / (f"{stamp}-{mission}" + (f"-{number}" if number > 1 else ""))
+            try:
+                folder.mkdir()
+            except FileExistsError:
+                continue
+            return folder
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError(
+            "no-run-folder", f"cannot make a run folder: {reason}", Where(str(parent)), "--runs-dir"
+        ) from None
+    raise UserError("no-run-folder", "too many runs of one second", Where(str(parent)))
+
+
+class Recorder:
+    """Appends what happens to the files of one run folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._sequence = 0
+        self._rows = 0
+        self._events: IO[str] = (folder / "events.jsonl").open("w", encoding="utf-8", newline="\n")
+        self._telemetry: IO[str] = (folder / "telemetry.csv").open(
+            "w", encoding="utf-8", newline="\n"
+        )
+        self._telemetry.write(TELEMETRY_COLUMNS + "\n")
+
+    def keep(self, files: Iterable[Path]) -> None:
+        """Copy what a person wrote, as flown."""
+        for path in files:
+            shutil.copyfile(path, self.folder / path.name)
+
+    def header(self, facts: Mapping[str, Any]) -> None:
+        """The first line: what makes this run what it is."""
+        first = {"format": FORMAT, "version": FORMAT_VERSION, **facts}
+        self._events.write(_encode(first) + "\n")
+        self._events.flush()
+
+    def take(self, pilot: Pilot) -> list[Record]:
+        """Write one period of a pilot: its records, now empty, and a row of telemetry."""
+        records = pilot.instance.records
+        seen = pilot.flight.world
+        vehicle = pilot.vehicle.name
+        if records:
+            pilot.instance.records = []
+            for kind, fields in records:
+                line = {"seq": self._sequence, "t": seen.time, "vehicle": vehicle, "kind": kind}
+                self._events.write(_encode({**line, **fields}) + "\n")
+                self._sequence += 1
+            self._events.flush()
+        self._row(seen, vehicle, "|".join(pilot.instance.paths()))
+        return records
+
+    def _row(self, seen: Observation, vehicle: str, state: str) -> None:
+        roll, pitch = roll_pitch_of(seen.attitude)
+        place = (seen.time, vehicle, *seen.position, *seen.velocity)
+        pose = (roll, pitch, seen.yaw, seen.battery, seen.mode, state)
+        self._telemetry.write(_ROW % (*place, *pose))
+        self._rows += 1
+        if self._rows % _FLUSH_EVERY == 0:
+            self._telemetry.flush()
+
+    def close(self) -> None:
+        """Everything is on disk after this."""
+        self._events.close()
+        self._telemetry.close()
+
+    def write(self, name: str, content: Mapping[str, Any]) -> None:
+        """A JSON file beside the log, for people to read too."""
+        text = json.dumps(content, indent=2, ensure_ascii=False, default=as_json)
+        (self.folder / name).write_text(text + "\n", encoding="utf-8")
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    return sha256(path.read_bytes()).hexdigest()

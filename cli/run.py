@@ -1,0 +1,147 @@
+"""drone-cli run: fly a mission and leave a run folder."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import ExitStack
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cli import missions
+from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
+from cli.options import MissionName, Speed, Word, assignments
+from cli.pace import Pace
+from cli.prepare import prepare
+from cli.recorder import Recorder, new_folder
+from cli.recorder import as_json as as_json_value
+from cli.signals import Interrupts
+from fsm import parse_parameters
+from hal import backend_names
+from vencejo.errors import UserError
+
+
+@click.command()
+@click.argument("mission", type=MissionName())
+@click.option(
+    "--backend", type=Word(backend_names()), default="sim", show_default=True, help="What flies it."
+)
+@click.option("--world", metavar="NAME|FILE", help="Fly in another world than the mission names.")
+@click.option(
+    "-p",
+    "--parameter",
+    "parameters",
+    multiple=True,
+    callback=assignments,
+    metavar="NAME=VALUE",
+    help="Set a parameter of the mission, for instance -p altitude=3m. Repeatable.",
+)
+@click.option(
+    "--seed", type=int, default=0, show_default=True, help="Every random draw comes from it."
+)
+@click.option(
+    "--speed",
+    type=Speed(),
+    default="max",
+    show_default=True,
+    help="Times real time, or max. For the simulator.",
+)
+@click.option(
+    "--noise",
+    type=click.FloatRange(0, 10),
+    default=0.0,
+    show_default=True,
+    help="Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.",
+)
+@click.option(
+    "--runs-dir",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("runs"),
+    show_default=True,
+    help="Where the run folder is made.",
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
+)
+def run(
+    mission: str,
+    backend: str,
+    world: str | None,
+    parameters: dict[str, str],
+    seed: int,
+    speed: float | None,
+    noise: float,
+    runs_dir: Path,
+    as_json: bool,
+) -> None:
+    """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
+
+    Exit code: 0 the mission ended in `done`, 1 in another outcome, 2 it or its arguments are
+    wrong, 3 the vehicle failed, 130 interrupted (and landed). Ctrl-C once asks the mission to
+    stop, twice lands at once, thrice stops the program.
+    """
+    prepared = prepare(missions.find(mission), world)
+    values = parse_parameters(prepared.graph, parameters)
+    for fault in prepared.graph.warnings:
+        click.echo(str(fault), err=True)
+    settings = {"noise": noise} if backend == "sim" else {}
+    plan = Plan(prepared, values, backend, seed, settings)
+    summary = _fly(plan, speed, runs_dir, as_json)
+    sys.exit(summary["exit_code"])
+
+
+def _fly(plan: Plan, speed: float | None, runs_dir: Path, as_json: bool) -> dict[str, Any]:
+    made: list[Recorder] = []
+
+    def record() -> Recorder:
+        stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
+        made.append(Recorder(new_folder(runs_dir, stamp, plan.prepared.graph.name)))
+        made[0].keep([*plan.prepared.files, plan.prepared.world.source])
+        return made[0]
+
+    try:
+        with ExitStack() as stack:
+            stops = stack.enter_context(Interrupts())
+            watchers = [] if as_json else [_watcher(plan, speed, stops, stack)]
+            flown = fly(plan, record, watchers, Pace(speed), stops)
+    except KeyboardInterrupt:
+        click.echo("stopped; the vehicle is left to its own failsafe", err=True)
+        if made:
+            click.echo(f"run folder: {made[0].folder}", err=True)
+        sys.exit(INTERRUPTED)
+    folder = made[0].folder
+    summary = summarise(plan, flown, folder)
+    made[0].write("summary.json", summary)
+    _draw(folder)
+    if as_json:
+        click.echo(json.dumps(summary, ensure_ascii=False, default=as_json_value))
+    else:
+        from cli.view import show_summary
+
+        show_summary(summary, sys.stdout)
+    return summary
+
+
+def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStack) -> Watcher:
+    """The live view on a terminal, plain lines elsewhere."""
+    from rich.console import Console
+
+    from cli.view import LiveView, PlainView
+
+    console = Console()
+    if not console.is_terminal:
+        # Nobody reads any more (`| head`): land and end, as when a terminal is closed.
+        return PlainView(sys.stdout, closed=lambda: stops.request(2))
+    return stack.enter_context(LiveView(plan.prepared.graph, console, speed))
+
+
+def _draw(folder: Path) -> None:
+    from cli.picture import draw
+
+    try:
+        draw(folder)
+    except (OSError, UserError) as error:
+        click.echo(f"no picture: {error}", err=True)

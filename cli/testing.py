@@ -1,0 +1,85 @@
+"""For tests of missions: fly one in the simulator and look at how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from behaviors import Pilot
+from cli import missions
+from cli.flight import Plan, fly
+from cli.prepare import prepare
+from fsm import parse_parameters
+from fsm.machine import Record
+from vencejo.geometry import Point, distance
+
+
+@dataclass
+class MissionFlight:
+    """A flight as a test wants to see it; positions in the mission frame."""
+
+    outcome: str = ""
+    reason: str = ""
+    output: Mapping[str, Any] = field(default_factory=dict)
+    time: float = 0.0
+    """Seconds from the first period to the last."""
+    states: list[str] = field(default_factory=list)
+    """Paths of the leaf states, in the order in which they were entered."""
+    track: list[tuple[float, Point]] = field(default_factory=list)
+    """Time and place, every mission period."""
+    records: list[tuple[float, str, dict[str, Any]]] = field(default_factory=list)
+    """Time, kind and fields of everything that was logged."""
+
+    @property
+    def end(self) -> Point:
+        return self.track[-1][1]
+
+    @property
+    def highest(self) -> float:
+        return max(place.z for _, place in self.track)
+
+    def nearest(self, place: tuple[float, float, float]) -> float:
+        """How near it came to a place, metres."""
+        return min(distance(point, place) for _, point in self.track)
+
+
+class _Watch:
+    def __init__(self, flight: MissionFlight, post: Mapping[float, str]) -> None:
+        self.flight = flight
+        self.post = sorted(post.items())
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        now = pilot.flight.now
+        while self.post and self.post[0][0] <= now:
+            pilot.instance.post(self.post.pop(0)[1])
+        self.flight.track.append((now, pilot.flight.observation.position))
+        for kind, fields in records:
+            self.flight.records.append((now, kind, fields))
+            if kind == "enter" and not pilot.instance.graph.by_path[fields["state"]].children:
+                self.flight.states.append(fields["state"])
+
+
+def fly_mission(
+    mission: str | Path,
+    parameters: Mapping[str, str] | None = None,
+    *,
+    world: str | None = None,
+    seed: int = 0,
+    noise: float = 0.0,
+    post: Mapping[float, str] | None = None,
+) -> MissionFlight:
+    """Fly a mission in the simulator, without files or pacing.
+
+    ``parameters`` are texts as after ``-p``; ``post`` says at which second which event comes from
+    outside. Raises UserError like the command line.
+    """
+    prepared = prepare(missions.find(str(mission)), world)
+    values = parse_parameters(prepared.graph, parameters or {})
+    flight = MissionFlight()
+    plan = Plan(prepared, values, seed=seed, settings={"noise": noise})
+    flown = fly(plan, watchers=[_Watch(flight, post or {})])
+    flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
+    flight.time = flown.mission_time
+    return flight
