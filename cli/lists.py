@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -187,7 +188,7 @@ def worlds(name: str | None, as_json: bool) -> None:
             "world": world.name,
             "description": world.description,
             "file": str(world.source),
-            "origin": [world.origin.lat, world.origin.lon, world.origin.alt],
+            "origin": asdict(world.origin) if world.origin else None,
             "battery": world.battery,
             "start": list(start.at),
             "boxes": [box.name for box in world.boxes],
@@ -196,7 +197,9 @@ def worlds(name: str | None, as_json: bool) -> None:
         click.echo(json.dumps(facts))
         return
     click.echo(f"{world.name}: {world.description}\n  file     {world.source}")
-    click.echo(f"  origin   {world.origin.lat:.5f}, {world.origin.lon:.5f}, {world.origin.alt:g} m")
+    if world.origin:
+        origin = world.origin
+        click.echo(f"  origin   {origin.lat:.5f}, {origin.lon:.5f}, {origin.alt:g} m")
     click.echo(f"  start    {start.at.x:g}, {start.at.y:g}; battery {world.battery:.0%}")
     if world.boxes:
         click.echo(f"  boxes    {', '.join(box.name for box in world.boxes)}")

@@ -69,6 +69,7 @@ class Velocity:
 class Position:
     """Be at a place (world frame), moving at ``velocity`` when there (feed-forward).
 
+    One that moves is sent anew every period; one that is left standing needs no velocity.
     ``yaw`` asks for a heading, else ``yaw_rate`` turns; with neither the heading stays.
     """
 
@@ -88,7 +89,10 @@ Setpoint = Velocity | Position | Hold
 
 @dataclass(slots=True)
 class Order:
-    """What became of a verb. ``sent`` → ``accepted`` → ``done``, or ``refused`` with a reason."""
+    """What became of a verb. ``sent`` → ``accepted`` → ``done``, or ``refused`` with a reason.
+
+    An order that another one or a set-point ended is refused too; the reason says by what.
+    """
 
     verb: str
     state: Literal["sent", "accepted", "refused", "done"] = "sent"

@@ -1,0 +1,26 @@
+"""The simulator: deterministic, without a window, many times faster than the clock."""
+
+from hal.sim.bullet import Bullet
+from hal.sim.session import SimSession
+from hal.vehicle import Options, Session
+from vencejo.errors import UserError
+from worlds import find_world
+
+__all__ = ["SimSession", "open_session"]
+
+
+def open_session(options: Options) -> Session:
+    """Open the simulator on the world of the options, or on ``empty``; use it in a ``with``.
+
+    Settings: ``noise``, a factor on the command noise (true for 1; default 0).
+    Raises UserError for a world or settings that are wrong, VehicleError without pybullet.
+    """
+    if options.address is not None:
+        raise UserError("no-address", "the simulator has no address to be reached at")
+    world = find_world(options.world or "empty")
+    physics = Bullet()
+    try:
+        return SimSession(options, world, physics)
+    except BaseException:
+        physics.close()
+        raise

@@ -1,0 +1,51 @@
+"""The airframe: a quadrotor of the AR.Drone 2.0's size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+
+@dataclass(frozen=True, slots=True)
+class Airframe:
+    """Constants of a quadrotor. Inertia and arm: Q. Li, *Grey-box system identification of a
+    quadrotor unmanned aerial vehicle*, TU Delft 2014, identified on an AR.Drone 2.0.
+    """
+
+    mass: float = 0.436
+    """kg, with battery and indoor hull."""
+    inertia: tuple[float, float, float] = (2.237568e-3, 2.985236e-3, 4.80374e-3)
+    """About the body's x, y and z, kg·m²."""
+    arm: float = 0.1785
+    """From the middle to a motor, metres."""
+    size: tuple[float, float, float] = (0.52, 0.52, 0.12)
+    """Of the body that touches things, hull included, metres."""
+    max_thrust: float = 8.5
+    """All four motors together, newtons; about twice the weight."""
+    drag_ratio: float = 0.0301
+    """A rotor's drag torque over its thrust, metres (2.423e-7 / 8.048e-6, as identified)."""
+    max_speed: float = 5.0
+    """Over the ground, m/s (the maker's figure)."""
+    max_climb: float = 2.0
+    """Up or down, m/s (the maker allows 0.7 indoors and 2 outdoors)."""
+    max_tilt: float = 20 * pi / 180
+    """Radians; within the maker's `euler_angle_max` of 0.52."""
+    max_yaw_rate: float = 1.75
+    """rad/s (the reference's `control_yaw`)."""
+    capacity: float = 11.1 * 3600
+    """Joules in a full battery: 1000 mAh at 11.1 V."""
+    endurance: float = 12 * 60
+    """Seconds of hovering on a full battery (the maker's figure)."""
+    standby_power: float = 5.0
+    """Watts that the board draws with the motors off; an assumption."""
+
+    @property
+    def height(self) -> float:
+        """From the skids to the centre of mass, metres."""
+        return self.size[2] / 2
+
+    @property
+    def max_torques(self) -> tuple[float, float]:
+        """About a level axis and about z, N·m: half of the thrust range, given to two motors."""
+        half = self.max_thrust / 2
+        return half * self.arm / 2, half * self.drag_ratio

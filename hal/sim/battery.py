@@ -1,0 +1,32 @@
+"""The battery: charge in, thrust out."""
+
+from __future__ import annotations
+
+from hal.sim.airframe import Airframe
+from hal.sim.physics import GRAVITY
+
+
+class Battery:
+    """A charge that thrust drains.
+
+    A rotor's power grows with its thrust to the power of 3/2 (momentum theory); the factor is the
+    one that empties a full battery in the airframe's hovering endurance.
+    """
+
+    def __init__(self, airframe: Airframe, charge: float) -> None:
+        self.charge = charge
+        """What is left, 0 to 1."""
+        self._capacity = airframe.capacity
+        self._standby = airframe.standby_power
+        hover_power = airframe.capacity / airframe.endurance
+        hover_thrust = airframe.mass * GRAVITY
+        self._factor = (hover_power - airframe.standby_power) / hover_thrust**1.5
+
+    @property
+    def empty(self) -> bool:
+        return self.charge <= 0.0
+
+    def drain(self, thrust: float, seconds: float) -> None:
+        """Deliver a mean thrust (newtons, 0 with the motors off) for a time."""
+        power = self._standby + self._factor * thrust**1.5
+        self.charge = max(0.0, self.charge - power * seconds / self._capacity)

@@ -1,0 +1,66 @@
+"""What the simulator asks of a physics engine, and no more."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from vencejo.geometry import Point, Quaternion
+from worlds.model import Box
+
+STEP = 1 / 240
+"""Seconds of one physics step."""
+GRAVITY = 9.80665
+"""Standard gravity, m/s²."""
+
+Triple = tuple[float, float, float]
+State = tuple[Triple, Quaternion, Triple, Triple]
+"""Position of the centre of mass, attitude (x, y, z, w), velocity, turn rates; world frame."""
+
+
+class Body(Protocol):
+    """A rigid body that moves freely."""
+
+    def state(self) -> State:
+        """Where it is and how it moves."""
+
+    def push(self, thrust: float, x: float, y: float, z: float) -> None:
+        """A force along its own z and torques about its own axes, during the next step."""
+
+    def supported(self) -> bool:
+        """Whether it touches something below it."""
+
+
+class Physics(Protocol):
+    """A world with flat ground at z = 0, solid boxes and free bodies. Metres, newtons, seconds."""
+
+    @property
+    def name(self) -> str:
+        """The engine and its version."""
+
+    def add_boxes(self, boxes: Sequence[Box]) -> None:
+        """Put up cuboids that nothing moves."""
+
+    def add_body(
+        self, mass: float, inertia: Triple, size: Triple, position: Triple, attitude: Quaternion
+    ) -> Body:
+        """A free cuboid; its centre of mass is its middle."""
+
+    def step(self) -> None:
+        """Advance by :data:`STEP`."""
+
+    def ray(self, start: Triple, end: Triple) -> Point | None:
+        """Where a ray first meets the ground or a box; bodies are transparent to it."""
+
+    def close(self) -> None:
+        """Give the engine's memory back."""
+
+
+def in_body(vector: Triple, q: Quaternion) -> Point:
+    """A world-frame vector in the axes of a body of that attitude."""
+    (a, b, c), (x, y, z, w) = vector, q
+    return Point(
+        (1 - 2 * (y * y + z * z)) * a + 2 * (x * y + z * w) * b + 2 * (x * z - y * w) * c,
+        2 * (x * y - z * w) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z + x * w) * c,
+        2 * (x * z + y * w) * a + 2 * (y * z - x * w) * b + (1 - 2 * (x * x + y * y)) * c,
+    )

@@ -1,0 +1,135 @@
+"""An open simulator: a world, its vehicles and their common clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from types import MappingProxyType
+
+from hal.sim.airframe import Airframe
+from hal.sim.noise import CommandNoise
+from hal.sim.physics import Physics
+from hal.sim.vehicle import STEPS, SimVehicle
+from hal.vehicle import Options
+from vencejo.errors import UserError, VehicleError, nearest
+from vencejo.geometry import Point
+from vencejo.seeds import generator
+from worlds.model import Start, World
+
+_PERIODS_PER_SECOND = 40
+_ABREAST = 2.0
+"""Vehicles beyond a world's starts stand this far along x from the one before, metres."""
+
+
+class SimSession:
+    """The vehicles of one world, in lockstep (see :class:`hal.vehicle.Session`)."""
+
+    def __init__(self, options: Options, world: World, physics: Physics) -> None:
+        """Raises UserError for settings, names or places that cannot be."""
+        noise = read_noise(options.settings)
+        starts = start_poses(world, options.vehicles)
+        airframe = Airframe()
+        physics.add_boxes(world.boxes)
+        # Alone in the world, a vehicle above all boxes touches nothing; that saves asking.
+        highest = max((box.top for box in world.boxes), default=0.0) + airframe.size[2]
+        if len(options.vehicles) > 1:
+            highest = float("inf")
+        self._physics: Physics | None = physics
+        self._engine = physics.name
+        self._places = world.places
+        origin = world.origin
+        self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
+        self._count = 0
+        self._all = [
+            SimVehicle(
+                name,
+                physics,
+                airframe=airframe,
+                start=start,
+                charge=world.battery,
+                noise=CommandNoise(noise, generator(options.seed, name, "command-noise")),
+                highest=highest,
+            )
+            for name, start in zip(options.vehicles, starts, strict=True)
+        ]
+        self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
+
+    @property
+    def vehicles(self) -> Mapping[str, SimVehicle]:
+        return self._vehicles
+
+    @property
+    def engine(self) -> str:
+        return self._engine
+
+    @property
+    def places(self) -> Mapping[str, Point]:
+        return self._places
+
+    @property
+    def geographic(self) -> tuple[float, float, float] | None:
+        return self._geographic
+
+    def wait(self) -> None:
+        """Advance by six physics steps. Raises VehicleError when the session is closed."""
+        if self._physics is None:
+            raise VehicleError("closed", "the simulator is closed")
+        vehicles, step = self._all, self._physics.step
+        for vehicle in vehicles:
+            vehicle.plan()
+        for _ in range(STEPS):
+            for vehicle in vehicles:
+                vehicle.drive()
+            step()
+            for vehicle in vehicles:
+                vehicle.sense()
+        self._count += 1
+        time = self._count / _PERIODS_PER_SECOND
+        for vehicle in vehicles:
+            vehicle.update(time)
+
+    def __enter__(self) -> SimSession:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        if self._physics is not None:
+            self._physics.close()
+            self._physics = None
+
+
+def read_noise(settings: Mapping[str, object]) -> float:
+    """The scale of the command noise, 0 for none. Raises UserError for settings that are none."""
+    for name in settings:
+        if name != "noise":
+            raise UserError(
+                "unknown-setting",
+                f"the simulator has no setting '{name}'",
+                hint=nearest(name, ["noise"]),
+            )
+    noise = settings.get("noise", 0.0)
+    if not isinstance(noise, (int, float)) or not isfinite(noise) or noise < 0:
+        raise UserError(
+            "bad-setting",
+            f"'noise' must be true, false or a factor of 0 or more, not {noise!r}",
+            hint="1 is the command noise of Gazebo's AR.Drone, 0 is none",
+        )
+    return float(noise)
+
+
+def start_poses(world: World, names: tuple[str, ...]) -> list[Start]:
+    """Where each vehicle begins. Raises UserError."""
+    if not names or len(set(names)) != len(names):
+        raise UserError("bad-vehicles", f"vehicles need names that differ, not {list(names)}")
+    starts = list(world.starts[: len(names)])
+    while len(starts) < len(names):
+        last = starts[-1]
+        starts.append(Start(last.at.plus((_ABREAST, 0.0, 0.0)), last.heading))
+    for name, start in zip(names, starts, strict=True):
+        box = world.box_near(start.at)
+        if box is not None:
+            raise UserError(
+                "start-in-box",
+                f"'{name}' would start in the box '{box.name}' of the world '{world.name}'",
+                hint=f"give the world {len(names)} starts",
+            )
+    return starts

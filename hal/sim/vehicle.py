@@ -1,0 +1,395 @@
+"""The simulated vehicle: its modes, and how it answers verbs and commands."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from hal.sim.airframe import Airframe
+from hal.sim.battery import Battery
+from hal.sim.control import Controller
+from hal.sim.limits import set_limits
+from hal.sim.noise import CommandNoise
+from hal.sim.physics import Physics, State, in_body
+from hal.vehicle import (
+    PERIOD,
+    Camera,
+    Hold,
+    Limits,
+    Observation,
+    Order,
+    Sensor,
+    Setpoint,
+    Unavailable,
+    Velocity,
+    VisionPose,
+)
+from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
+from worlds.model import Start
+
+STEPS = 6
+"""Physics steps in a mission period."""
+CAPABILITIES = frozenset(
+    {"position", "velocity", "yaw", "arm", "takeoff", "land", "return_home", "emergency_stop"}
+    | {"battery", "limits"}
+)
+_RETURN_HEIGHT = 5.0
+"""Height above home at which a return flies at least, metres."""
+_ARRIVED = 0.05
+"""A place this near is reached, metres."""
+_SEEN_BELOW = 1000.0
+"""How far down the ground is looked for, metres."""
+_TOUCHDOWN_SPEED = 0.3
+"""Descent in the last of a landing, m/s; higher up it is the height above ground per second."""
+_REST = 0.1
+"""Slower than this is standing still, m/s."""
+_SETTLED, _SETTLED_ON_AN_EDGE = 10, 40
+"""Mission periods at rest that end a landing: with ground below the middle, and without."""
+
+
+class SimVehicle:
+    """One vehicle in the simulator (see :class:`hal.vehicle.Vehicle`).
+
+    Its position is that of the point between the skids, right below the centre of mass: z is 0
+    when it stands on the ground.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        physics: Physics,
+        *,
+        airframe: Airframe,
+        start: Start,
+        charge: float,
+        noise: CommandNoise,
+        highest: float,
+    ) -> None:
+        self._name = name
+        self._physics = physics
+        self._airframe = airframe
+        self._body = physics.add_body(
+            airframe.mass,
+            airframe.inertia,
+            airframe.size,
+            (start.at.x, start.at.y, start.at.z + airframe.height),
+            yaw_quaternion(start.heading),
+        )
+        self._state: State = self._body.state()
+        self._controller = Controller(airframe)
+        self._battery = Battery(airframe, charge)
+        self._noise = noise
+        self._highest = highest
+        """Above this height there is nothing to touch."""
+        self._home = start.at
+        self._time = 0.0
+        self._mode = "landed"
+        self._armed = False
+        self._supported = True
+        self._orders: dict[str, Order] = {}
+        """Those under way, by verb."""
+        self._holding = False
+        """Hold is the command in force."""
+        self._braking = False
+        """To stay where it stops, once it has stopped."""
+        self._target = 0.0
+        """World height that a take-off or a return climbs to, metres."""
+        self._still = 0
+        """Mission periods at rest."""
+        self._thrust = 0.0
+        """Sum over the steps of the period, newtons."""
+        self._led: Point | None = None
+        """Feed-forward velocity commanded in the period before, m/s."""
+        self._leading: Point | None = None
+        """The same of this period."""
+        self._observation: Observation | None = None
+
+    # What is known of it.
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    @property
+    def capabilities(self) -> frozenset[str]:
+        return CAPABILITIES
+
+    def observe(self) -> Observation:
+        if self._observation is None:
+            _, attitude, velocity, turning = self._state
+            self._observation = Observation(
+                time=self._time,
+                position=self._position(),
+                velocity=Point(*velocity),
+                attitude=attitude,
+                yaw=wrap(yaw_of(attitude)),
+                rates=in_body(turning, attitude),
+                battery=self._battery.charge,
+                armed=self._armed,
+                flying=not self._supported,
+                mode=self._mode,
+                home=self._home,
+                health=self._health(),
+            )
+        return self._observation
+
+    def _position(self) -> Point:
+        x, y, z = self._state[0]
+        return Point(x, y, z - self._airframe.height)
+
+    def _health(self) -> tuple[str, ...]:
+        problems: tuple[str, ...] = ()
+        if self._battery.empty:
+            problems += ("the battery is empty",)
+        if self._mode == "stopped":
+            problems += ("the motors were stopped in the air",)
+        qx, qy, _, _ = self._state[1]
+        if self._supported and 1 - 2 * (qx * qx + qy * qy) < 0.8:
+            problems += ("the vehicle does not stand upright",)
+        return problems
+
+    # Verbs.
+
+    def arm(self) -> Order:
+        health = self._health()
+        if not self._armed and health:
+            return _refused("arm", ", ".join(health))
+        self._armed = True
+        self._observation = None
+        return Order("arm", "done")
+
+    def disarm(self) -> Order:
+        if self._armed and not self._supported:
+            return _refused("disarm", "the vehicle is in the air")
+        if self._armed:
+            self._stop_motors("the motors were stopped")
+        return Order("disarm", "done")
+
+    def takeoff(self, altitude: float) -> Order:
+        if "takeoff" in self._orders:
+            return self._orders["takeoff"]
+        if self._mode in ("flying", "returning") and not self._supported:
+            return Order("takeoff", "done")
+        health = self._health()
+        if health:
+            return _refused("takeoff", ", ".join(health))
+        x, y, z = self._position()
+        ground = z if self._supported else z - self._height_above_ground()
+        if not 0 < altitude < float("inf"):
+            return _refused("takeoff", f"there is no altitude of {altitude:g} m")
+        if ground + altitude > self._controller.max_altitude:
+            limit = self._controller.max_altitude
+            return _refused("takeoff", f"{ground + altitude:g} m is above the limit of {limit:g} m")
+        self._armed = True
+        self._braking = False
+        self._target = ground + altitude
+        self._controller.fly_to(x, y, self._target)
+        self._controller.turn(0.0)
+        return self._begin("takeoff", "taking-off")
+
+    def land(self) -> Order:
+        if "land" in self._orders:
+            return self._orders["land"]
+        if self._mode == "landed":
+            return self.disarm()
+        if self._mode == "stopped":
+            return _refused("land", "the motors are stopped")
+        self._brake()
+        self._controller.turn(0.0)
+        return self._begin("land", "landing")
+
+    def return_home(self) -> Order:
+        if "return_home" in self._orders:
+            return self._orders["return_home"]
+        away = horizontal_distance(self._position(), self._home)
+        if self._mode == "landed" and away < 0.5:
+            return Order("return_home", "done")
+        if self._mode in ("landed", "stopped"):
+            return _refused("return_home", "the motors are stopped")
+        height = max(self._position().z, self._home.z + _RETURN_HEIGHT)
+        self._target = min(height, self._controller.max_altitude)
+        self._brake()
+        self._controller.turn(0.0)
+        return self._begin("return_home", "returning")
+
+    def emergency_stop(self) -> Order:
+        if self._armed:
+            self._stop_motors("the motors were stopped")
+        return Order("emergency_stop", "done")
+
+    def _begin(self, verb: str, mode: str) -> Order:
+        """Put an order in the place of those under way."""
+        self._end_orders(f"ended by: {verb}")
+        order = self._orders[verb] = Order(verb, "accepted")
+        self._enter(mode)
+        return order
+
+    def _enter(self, mode: str) -> None:
+        self._mode = mode
+        self._still = 0
+        self._holding = False
+        self._observation = None
+
+    def _end_orders(self, reason: str = "") -> None:
+        """All that is under way is done or, with a reason, refused."""
+        for order in self._orders.values():
+            order.state, order.reason = ("refused", reason) if reason else ("done", "")
+        self._orders.clear()
+
+    def _stop_motors(self, reason: str = "") -> None:
+        self._armed = False
+        self._end_orders(reason)
+        self._enter("landed" if self._supported else "stopped")
+
+    # Commands.
+
+    def command(self, setpoint: Setpoint) -> None:
+        """See the contract. Raises ValueError for numbers that are not finite."""
+        _check(setpoint)
+        if self._mode in ("landed", "stopped") or (self._supported and self._mode != "flying"):
+            return
+        if self._mode != "flying":
+            self._end_orders("ended by a command")
+            self._enter("flying")
+        controller = self._controller
+        if isinstance(setpoint, Hold):
+            if not self._holding:
+                self._brake()
+            self._holding = True
+            controller.turn(0.0)
+            return
+        self._holding = self._braking = False
+        if isinstance(setpoint, Velocity):
+            controller.fly_at(setpoint.x, setpoint.y, setpoint.z, setpoint.frame == "heading")
+            controller.turn(setpoint.yaw_rate)
+            return
+        if setpoint.velocity is None:
+            controller.fly_to(*setpoint.xyz)
+        else:
+            self._follow(setpoint.xyz, Point(*setpoint.velocity))
+        if setpoint.yaw is not None:
+            controller.face(setpoint.yaw)
+        else:
+            controller.turn(setpoint.yaw_rate or 0.0)
+
+    def _follow(self, place: Point, velocity: Point) -> None:
+        # Set-points that come every period tell the acceleration too; one more is needed for it.
+        x, y, z = velocity.minus(self._led or velocity)
+        self._controller.fly_to(*place, velocity)
+        self._controller.acceleration = (x / PERIOD, y / PERIOD, z / PERIOD)
+        self._leading = velocity
+
+    def _brake(self) -> None:
+        self._controller.fly_at(0.0, 0.0, 0.0)
+        self._braking = True
+
+    def configure(self, limits: Limits) -> None:
+        """Change limits in flight. Raises UserError (``bad-limit``)."""
+        set_limits(self._controller, limits)
+
+    def camera(self, name: str) -> Camera:
+        raise Unavailable(f"the simulated vehicle has no camera '{name}'")
+
+    def sensor(self, name: str) -> Sensor:
+        raise Unavailable(f"the simulated vehicle has no sensor '{name}'")
+
+    def send_vision_pose(self, pose: VisionPose) -> None:
+        raise Unavailable("the simulated vehicle takes no vision poses: it knows where it is")
+
+    # Time. A period is `plan`; six times `drive`, the engine's step and `sense`; then `update`.
+
+    def plan(self) -> None:
+        """Begin a mission period."""
+        self._controller.plan(self._state)
+
+    def drive(self) -> None:
+        """Push for the next physics step."""
+        if self._armed and self._mode != "landed":
+            thrust, x, y, z = self._controller.step(self._state)
+            self._thrust += thrust
+            self._body.push(thrust, x, y, z)
+
+    def sense(self) -> None:
+        """See where the step has led."""
+        self._state = self._body.state()
+
+    def update(self, time: float) -> None:
+        """End a mission period: what was reached, and what to do in the next."""
+        self._time = time
+        self._observation = None
+        self._led, self._leading = self._leading, None
+        self._controller.acceleration = (0.0, 0.0, 0.0)
+        self._battery.drain(self._thrust / STEPS, PERIOD)
+        self._thrust = 0.0
+        if self._mode == "landed" and not self._armed:
+            return
+        low = self._state[0][2] - self._airframe.height < self._highest
+        self._supported = low and self._body.supported()
+        resting = self._supported and Point(*self._state[2]).norm() < _REST
+        self._still = self._still + 1 if resting else 0
+        noise = self._noise.next()
+        self._controller.noise = (0.0, 0.0, 0.0) if self._supported else noise
+        if self._battery.empty and self._armed:
+            self._stop_motors("the battery is empty")
+        elif self._mode == "taking-off":
+            if self._position().z > self._target - _ARRIVED:
+                self._end_orders()
+                self._enter("flying")
+        elif self._mode == "landing":
+            self._update_landing()
+        elif self._mode == "returning":
+            self._update_return()
+        elif self._mode == "stopped":
+            if self._still >= _SETTLED:
+                self._enter("landed")
+        elif self._braking and Point(*self._state[2]).norm() < _REST:
+            self._controller.fly_to(*self._position())
+            self._braking = False
+
+    def _update_landing(self) -> None:
+        height = self._height_above_ground()
+        if self._still >= (_SETTLED if height < _ARRIVED else _SETTLED_ON_AN_EDGE):
+            self._stop_motors()
+            return
+        self._stay_where_it_stops()
+        controller = self._controller
+        controller.climb_at(-max(_TOUCHDOWN_SPEED, min(height, controller.max_climb)))
+
+    def _update_return(self) -> None:
+        controller, position = self._controller, self._position()
+        home = horizontal_distance(position, self._home)
+        if home < _ARRIVED:
+            self._enter("landing")
+        elif self._braking:
+            self._stay_where_it_stops()
+            controller.height = None if self._braking else self._target
+        elif position.z > self._target - _ARRIVED:
+            controller.fly_to(self._home.x, self._home.y, self._target)
+
+    def _stay_where_it_stops(self) -> None:
+        """Hold the place once the braking is over; the height is left alone."""
+        vx, vy, _ = self._state[2]
+        if self._braking and Point(vx, vy, 0.0).norm() < _REST:
+            self._controller.stay_over(*self._position()[:2])
+            self._braking = False
+
+    def _height_above_ground(self) -> float:
+        """Free air below the skids, metres."""
+        x, y, z = self._state[0]
+        below = self._physics.ray((x, y, z), (x, y, z - _SEEN_BELOW))
+        return z - (below.z if below is not None else z - _SEEN_BELOW) - self._airframe.height
+
+
+def _refused(verb: str, reason: str) -> Order:
+    return Order(verb, "refused", reason)
+
+
+def _check(setpoint: Setpoint) -> None:
+    """Keep what is no number out of the physics, where nothing would ever be a number again."""
+    numbers: tuple[float | None, ...] = ()
+    if isinstance(setpoint, Velocity):
+        numbers = (setpoint.x, setpoint.y, setpoint.z, setpoint.yaw_rate)
+    elif not isinstance(setpoint, Hold):
+        velocity = setpoint.velocity or ()
+        numbers = (*setpoint.xyz, *velocity, setpoint.yaw, setpoint.yaw_rate)
+    if not all(number is None or isfinite(number) for number in numbers):
+        raise ValueError(f"a set-point needs finite numbers: {setpoint}")

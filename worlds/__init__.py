@@ -1,0 +1,18 @@
+"""Worlds to fly in: what they consist of, how they are read and where the shipped ones are."""
+
+from worlds.catalog import find_world, world_names
+from worlds.loader import load_world
+from worlds.model import Beacon, Box, Color, Ground, Origin, Start, World
+
+__all__ = [
+    "Beacon",
+    "Box",
+    "Color",
+    "Ground",
+    "Origin",
+    "Start",
+    "World",
+    "find_world",
+    "load_world",
+    "world_names",
+]

@@ -1,0 +1,35 @@
+"""Worlds by name or path."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vencejo.errors import UserError, Where, nearest
+from worlds.loader import load_world
+from worlds.model import World
+
+_FOLDER = Path(__file__).parent / "files"
+
+
+def world_names() -> list[str]:
+    """The worlds that are shipped."""
+    return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
+
+
+def find_world(word: str, where: Where | None = None) -> World:
+    """The shipped world of that name, else the world in the file of that path.
+
+    ``where`` is the place that names the world. Raises UserError (``unknown-world``, and what
+    :func:`worlds.loader.load_world` raises).
+    """
+    names = world_names()
+    if word in names:
+        return load_world(_FOLDER / f"{word}.yaml")
+    if word.endswith((".yaml", ".yml")) or "/" in word:
+        return load_world(Path(word))
+    raise UserError(
+        "unknown-world",
+        f"no world is called '{word}'",
+        where,
+        nearest(word, names) or "a file is named by its path: worlds/mine.yaml",
+    )
