@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS ?= 2
 
-.PHONY: run test test-slow lint bench clean
+.PHONY: run test test-slow lint bench images clean
 
 run: .venv/installed
 	@$(BIN)/drone-cli run first_flight --speed 2
@@ -40,6 +40,9 @@ bench: .venv/dev
 	@echo "Adding the tools of development …"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 	@touch $@
+
+images: .venv/dev
+	$(BIN)/python -m docs.draw_images
 
 clean:
 	rm -rf .venv

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from platform import python_version
@@ -124,7 +125,7 @@ def fly(
             tally.add(pilot.flight.world, frame.origin.z)
             for watcher in watchers:
                 watcher.show(pilot, records)
-            pace.wait(pilot.flight.now, lambda seen=answered: stops.count > seen)
+            pace.wait(pilot.flight.now, partial(_asked_more, stops, answered))
         if recorder:
             recorder.close()
         return Flown(
@@ -138,6 +139,10 @@ def fly(
             battery=pilot.flight.observation.battery,
             interrupted=answered > 0,
         )
+
+
+def _asked_more(stops: Stops, answered: int) -> bool:
+    return stops.count > answered
 
 
 def _drain(pilot: Pilot) -> list[Record]:

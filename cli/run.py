@@ -132,10 +132,15 @@ def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStac
     from cli.view import LiveView, PlainView
 
     console = Console()
+
+    def closed() -> None:
+        # Nobody is there any more (`| head`, a closed terminal): land and end.
+        if stops.count < 2:
+            stops.request(2)
+
     if not console.is_terminal:
-        # Nobody reads any more (`| head`): land and end, as when a terminal is closed.
-        return PlainView(sys.stdout, closed=lambda: stops.request(2))
-    return stack.enter_context(LiveView(plan.prepared.graph, console, speed))
+        return PlainView(sys.stdout, closed)
+    return stack.enter_context(LiveView(plan.prepared.graph, console, speed, closed))
 
 
 def _draw(folder: Path) -> None:

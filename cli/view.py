@@ -106,8 +106,17 @@ def _figures(pilot: Pilot) -> str:
 class LiveView:
     """The state tree, figures and a map, redrawn in place; use it in a ``with``."""
 
-    def __init__(self, graph: Graph, console: Console, factor: float | None) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        console: Console,
+        factor: float | None,
+        closed: Callable[[], None] = lambda: None,
+    ) -> None:
         self._graph = graph
+        self._console = console
+        self._closed = closed
+        self._open = True
         self._factor = factor
         self._sketch = Sketch(columns=min(44, max(20, console.width - 46)), rows=14)
         self._places: list[Point] = []
@@ -138,9 +147,20 @@ class LiveView:
         now = time.monotonic()
         if now - self._drawn >= REFRESH or pilot.finished:
             self._drawn = now
-            self._live.update(self._picture(pilot, now - self._wall), refresh=True)
+            self._draw(self.picture(pilot, now - self._wall))
 
-    def _picture(self, pilot: Pilot, wall: float) -> RenderableType:
+    def _draw(self, picture: RenderableType) -> None:
+        if not self._open:
+            return
+        try:
+            self._live.update(picture, refresh=True)
+        except OSError:
+            self._open = False
+            silence(self._console.file)
+            self._closed()
+
+    def picture(self, pilot: Pilot, wall: float) -> RenderableType:
+        """The view of this moment, ``wall`` seconds after the first."""
         seen = pilot.flight.observation
         pace = seen.time / wall if wall > 0.5 else self._factor
         head = Text.assemble(

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, runtime_checkable
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
 from vencejo.geometry import Point, Quaternion
+
+if TYPE_CHECKING:
+    # Only pictures need it, and it takes longer to import than all of ours.
+    import numpy as np
+    from numpy.typing import NDArray
 
 PERIOD = 0.025
 """The mission period, seconds: every backend's session waits from one to the next (40 Hz)."""

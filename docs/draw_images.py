@@ -1,0 +1,57 @@
+"""Draws the pictures of the README: `make images`."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from rich.console import Console
+
+from behaviors import Pilot
+from cli import missions
+from cli.flight import Plan, fly
+from cli.picture import draw
+from cli.prepare import prepare
+from cli.recorder import Recorder
+from cli.view import LiveView
+from fsm import parse_parameters
+from fsm.machine import Record
+
+IMAGES = Path(__file__).parent / "images"
+MOMENT = 11.0
+"""Second of the flight that the live view is shown at."""
+SPEED = 2.0
+
+
+class _Snapshot:
+    """Keeps the live view of one moment."""
+
+    def __init__(self, view: LiveView, console: Console) -> None:
+        self.view = view
+        self.console = console
+        self.taken = False
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        self.view.show(pilot, records)
+        if pilot.flight.now >= MOMENT and not self.taken:
+            self.taken = True
+            self.console.print(self.view.picture(pilot, MOMENT / SPEED))
+
+
+def main() -> None:
+    """Fly first_flight once and draw both pictures of it."""
+    IMAGES.mkdir(exist_ok=True)
+    prepared = prepare(missions.find("first_flight"))
+    plan = Plan(prepared, parse_parameters(prepared.graph, {}))
+    console = Console(record=True, width=90, file=io.StringIO(), force_terminal=True)
+    snapshot = _Snapshot(LiveView(prepared.graph, console, SPEED), console)
+    with TemporaryDirectory() as folder:
+        fly(plan, lambda: Recorder(Path(folder)), [snapshot])
+        draw(Path(folder)).replace(IMAGES / "first_flight.png")
+    console.save_svg(str(IMAGES / "live.svg"), title="drone-cli run first_flight --speed 2")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.cli.run_cli import run_cli
+
+Write = Callable[[str, str], str]
+
+START = "states:\n  up: {do: takeoff, on: {done: down}}\n"
+END = "  down: {do: land, on: {done: over}}\n  over: {type: final}\n"
+
+# Name → (text, place of the fault, what the message or its hint says).
+FAULTS: dict[str, tuple[str, str, str]] = {
+    "empty": ("", ":1:1", "the file is empty"),
+    "not YAML": ("states: [a", ":2:1", "no YAML"),
+    "a list": ("- a\n", ":1:1", "must be a map"),
+    "tab": ("states:\n\tup: {}\n", ":2:1", "indent with spaces"),
+    "unknown key": (START + END + "statse: {}\n", ":5:1", "did you mean 'states'?"),
+    "duplicate key": (START + END + "  up: {}\n", ":5:3", "stands twice"),
+    "custom tag": ("mission: !x a\n" + START + END, ":1:10", "the tag '!x'"),
+    "unknown behaviour": (
+        "states:\n  up: {do: takeof, on: {done: down}}\n" + END,
+        ":2:12",
+        "did you mean 'takeoff'?",
+    ),
+    "missing parameter": (
+        "states:\n  up: {do: goto, on: {done: down, blocked: down}}\n" + END,
+        ":2:12",
+        "needs the parameter 'to'",
+    ),
+    "wrong type": (
+        "states:\n  up: {do: takeoff, with: {altitude: high}, on: {done: down}}\n" + END,
+        ":2:38",
+        "write a length like 2 m",
+    ),
+    "bad unit": (
+        "states:\n  up: {do: takeoff, with: {altitude: 2 metres}, on: {done: down}}\n" + END,
+        ":2:38",
+        "'metres' is no unit",
+    ),
+    "wrong dimension": (
+        "states:\n  up: {do: takeoff, with: {altitude: 2 s}, on: {done: down}}\n" + END,
+        ":2:38",
+        "is a time, but a length is needed",
+    ),
+    "default outside its bounds": (
+        "parameters: {a: {default: 9 m, max: 5 m}}\n" + START + END,
+        ":1:27",
+        "outside its own bounds",
+    ),
+    "out of range": (
+        "states:\n  up: {do: takeoff, with: {altitude: 500 m}, on: {done: down}}\n" + END,
+        ":2:38",
+        "allowed is 0.3 m … 120 m",
+    ),
+    "unknown target": (
+        "states:\n  up: {do: takeoff, on: {done: dwon}}\n" + END,
+        ":2:32",
+        "did you mean 'down'?",
+    ),
+    "unhandled outcome": (
+        "states:\n  up: {do: takeoff, after: {9 s: down}}\n" + END,
+        ":2:3",
+        "on: {done: …}",
+    ),
+    "no way out": (START + END + "  lost: {}\n", ":5:3", "nothing ever leaves 'lost'"),
+    "bad expression": (
+        START + "  down: {do: land, on: {done: over}, when: {1 +: over}}\n  over: {type: final}\n",
+        ":3:48",
+        "no expression",
+    ),
+    "unknown name": (
+        START + "  down: {do: land, on: {done: over}, when: {batery > 3: over}}\n"
+        "  over: {type: final}\n",
+        ":3:45",
+        "'batery' is unknown",
+    ),
+    "unknown function": (
+        START + "  down: {do: land, on: {done: over}, when: {abss(1) > 3: over}}\n"
+        "  over: {type: final}\n",
+        ":3:45",
+        "did you mean 'abs'?",
+    ),
+    "unquoted expression": (
+        "states:\n  up: {do: takeoff, with: {altitude: ${1 + 1}}, on: {done: down}}\n" + END,
+        ":2:",
+        "needs quotes",
+    ),
+    "unknown world": ("world: yrad\n" + START + END, ":1:8", "did you mean 'yard'?"),
+    "missing uses file": ("uses: [mine.py]\n" + START + END, ":1:8", "no file 'mine.py'"),
+}
+
+
+@pytest.mark.parametrize("case", FAULTS)
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_fault_has_its_place_and_a_way_out(case: str, command: str, write: Write) -> None:
+    text, place, expected = FAULTS[case]
+    write("m.yaml", text)
+    result = run_cli(command, "m.yaml")
+    assert result.code == 2, result.out
+    assert f"m.yaml{place}" in result.err
+    assert expected in result.err
+    assert "Traceback" not in result.err
+    assert result.err.count(" error: ") == 1, result.err
+    assert not Path("runs").exists()
+
+
+def test_all_faults_are_reported_at_once(write: Write) -> None:
+    write(
+        "m.yaml",
+        "states:\n  up: {do: takeof, on: {done: dwon}}\n  down: {do: land, on: {done: over}}\n"
+        "  over: {type: final}\n  hang: {}\n",
+    )
+    result = run_cli("check", "m.yaml")
+    assert result.code == 2
+    assert "'takeof'" in result.err
+    assert "'dwon'" in result.err
+
+
+def test_good_missions_may_fly(hop: str) -> None:
+    result = run_cli("check", hop, "first_flight")
+    assert result.code == 0
+    assert result.out.splitlines()[0] == "hop.yaml: may fly, 3 states"
+    assert result.err == ""
+
+
+def test_strict_counts_warnings(write: Write) -> None:
+    write("m.yaml", START + END + "  spare: {after: {1 s: over}}\n")
+    assert run_cli("check", "m.yaml").code == 0
+    result = run_cli("check", "m.yaml", "--strict")
+    assert result.code == 2
+    assert "nothing leads to the state 'spare'" in result.err
+
+
+def test_json_reports_every_mission(hop: str, write: Write) -> None:
+    write("bad.yaml", "states: {}\n")
+    result = run_cli("check", hop, "bad.yaml", "--json")
+    good, bad = json.loads(result.out)
+    assert result.code == 2
+    assert good == {"mission": "hop.yaml", "states": 3, "faults": []}
+    assert bad["faults"][0]["code"] == "no-states"
+    assert bad["faults"][0]["where"].startswith("bad.yaml:1:")
+
+
+def test_a_file_that_cannot_be_read_is_said(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_bytes(b"mission: \xff\xfe")
+    result = run_cli("check", "m.yaml")
+    assert result.code == 2
+    assert "no UTF-8 text" in result.err

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from behaviors import Catalog
+from cli.missions import SHIPPED
+from tests.cli.run_cli import run_cli
+from worlds import world_names
+
+
+def test_bare_says_what_to_do_first() -> None:
+    result = run_cli()
+    assert result.code == 0
+    assert "drone-cli run first_flight" in result.out
+
+
+def test_version() -> None:
+    assert run_cli("--version").out.startswith("drone-cli, version ")
+
+
+@pytest.mark.parametrize("command", ["run", "check", "missions", "behaviors", "worlds", "new"])
+def test_every_command_has_help(command: str) -> None:
+    result = run_cli(command, "--help")
+    assert result.code == 0
+    assert result.out.startswith(f"Usage: drone-cli {command}")
+
+
+def test_missions_are_listed_with_what_they_do() -> None:
+    out = run_cli("missions").out
+    for path in SHIPPED.glob("*.yaml"):
+        assert path.stem in out
+    names = [entry["mission"] for entry in json.loads(run_cli("missions", "--json").out)]
+    assert names == sorted(path.stem for path in SHIPPED.glob("*.yaml"))
+
+
+def test_a_mission_tells_its_parameters() -> None:
+    result = run_cli("missions", "first_flight")
+    assert "altitude  a length (default: 2 m)" in result.out
+    facts = json.loads(run_cli("missions", "first_flight", "--json").out)
+    assert facts["parameters"]["side"]["default"] == 4.0
+
+
+def test_a_copy_can_be_changed_and_is_run_by_name() -> None:
+    result = run_cli("missions", "first_flight", "--copy")
+    assert result.code == 0
+    copied = Path("missions/first_flight.yaml")
+    assert copied.read_bytes() == (SHIPPED / "first_flight.yaml").read_bytes()
+    copied.write_text(copied.read_text().replace("Take off", "Mine, take off"))
+    assert "Mine, take off" in run_cli("missions", "first_flight").out
+    assert run_cli("missions", "first_flight", "--copy").code == 2
+
+
+def test_a_list_survives_a_mission_with_a_mistake() -> None:
+    Path("missions").mkdir()
+    Path("missions/broken.yaml").write_text("states: [")
+    result = run_cli("missions")
+    assert result.code == 0
+    assert "(has a mistake" in result.out
+
+
+def test_behaviors_are_listed_and_explained() -> None:
+    out = run_cli("behaviors").out
+    for name in Catalog():
+        assert name in out
+        explained = run_cli("behaviors", name)
+        assert explained.code == 0
+        facts = json.loads(run_cli("behaviors", name, "--json").out)
+        assert facts["help"]
+        for parameter, about in facts["parameters"].items():
+            assert parameter in explained.out
+            assert about["type"]
+
+
+def test_an_unknown_behaviour_gets_the_nearest() -> None:
+    result = run_cli("behaviors", "gotoo")
+    assert result.code == 2
+    assert "did you mean 'goto'?" in result.err
+
+
+def test_worlds_are_listed_and_shown() -> None:
+    for name in world_names():
+        assert name in run_cli("worlds").out
+        assert run_cli("worlds", name).code == 0
+    beacons = json.loads(run_cli("worlds", "beacons", "--json").out)
+    assert [5.0, 0.0, 3.0] in beacons["places"].values()
+    assert run_cli("worlds", "yrad").code == 2
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_scripts(shell: str) -> None:
+    assert "_DRONE_CLI_COMPLETE" in run_cli("completion", shell).out
+
+
+def test_completion_knows_missions() -> None:
+    from click.shell_completion import ShellComplete
+
+    from cli.main import app
+
+    complete = ShellComplete(app, {}, "drone-cli", "_DRONE_CLI_COMPLETE")
+    assert "first_flight" in [item.value for item in complete.get_completions(["run"], "fir")]
+    assert [item.value for item in complete.get_completions([], "ch")] == ["check"]
+    assert [i.value for i in complete.get_completions(["run", "--backend"], "ma")] == ["mavlink"]
