@@ -59,8 +59,10 @@ class Physics(Protocol):
 def in_body(vector: Triple, q: Quaternion) -> Point:
     """A world-frame vector in the axes of a body of that attitude."""
     (a, b, c), (x, y, z, w) = vector, q
+    # v + 2·w·(v × q) + 2·(v × q) × q: the rotation by the inverse of q.
+    p, r, t = 2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)
     return Point(
-        (1 - 2 * (y * y + z * z)) * a + 2 * (x * y + z * w) * b + 2 * (x * z - y * w) * c,
-        2 * (x * y - z * w) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z + x * w) * c,
-        2 * (x * z + y * w) * a + 2 * (y * z - x * w) * b + (1 - 2 * (x * x + y * y)) * c,
+        a + w * p + r * z - t * y,
+        b + w * r + t * x - p * z,
+        c + w * t + p * y - r * x,
     )

@@ -17,6 +17,7 @@ from hal.vehicle import (
     Limits,
     Observation,
     Order,
+    Position,
     Sensor,
     Setpoint,
     Unavailable,
@@ -265,7 +266,7 @@ class SimVehicle:
         if setpoint.velocity is None:
             controller.fly_to(*setpoint.xyz)
         else:
-            self._follow(setpoint.xyz, Point(*setpoint.velocity))
+            self._follow(setpoint.xyz, setpoint.velocity)
         if setpoint.yaw is not None:
             controller.face(setpoint.yaw)
         else:
@@ -273,9 +274,13 @@ class SimVehicle:
 
     def _follow(self, place: Point, velocity: Point) -> None:
         # Set-points that come every period tell the acceleration too; one more is needed for it.
-        x, y, z = velocity.minus(self._led or velocity)
+        led = self._led or velocity
         self._controller.fly_to(*place, velocity)
-        self._controller.acceleration = (x / PERIOD, y / PERIOD, z / PERIOD)
+        self._controller.acceleration = (
+            (velocity[0] - led[0]) / PERIOD,
+            (velocity[1] - led[1]) / PERIOD,
+            (velocity[2] - led[2]) / PERIOD,
+        )
         self._leading = velocity
 
     def _brake(self) -> None:
@@ -385,11 +390,14 @@ def _refused(verb: str, reason: str) -> Order:
 
 def _check(setpoint: Setpoint) -> None:
     """Keep what is no number out of the physics, where nothing would ever be a number again."""
-    numbers: tuple[float | None, ...] = ()
     if isinstance(setpoint, Velocity):
-        numbers = (setpoint.x, setpoint.y, setpoint.z, setpoint.yaw_rate)
-    elif not isinstance(setpoint, Hold):
-        velocity = setpoint.velocity or ()
-        numbers = (*setpoint.xyz, *velocity, setpoint.yaw, setpoint.yaw_rate)
-    if not all(number is None or isfinite(number) for number in numbers):
+        total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate
+    elif isinstance(setpoint, Position):
+        # One sum tests all: it is finite only when every part is.
+        total = sum(setpoint.xyz) + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
+        if setpoint.velocity is not None:
+            total += sum(setpoint.velocity)
+    else:
+        return
+    if not isfinite(total):
         raise ValueError(f"a set-point needs finite numbers: {setpoint}")
