@@ -17,6 +17,11 @@ from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 
 
+def _plain(docstring: str) -> str:
+    """A docstring as a terminal shows it."""
+    return docstring.replace("``", "`")
+
+
 def _table(rows: list[tuple[str, str]]) -> None:
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
@@ -112,7 +117,7 @@ def behaviors(name: str | None, as_json: bool) -> None:
 
     catalog = Catalog()
     if name is None:
-        rows = [(key, catalog[key].help.partition("\n")[0]) for key in catalog]
+        rows = [(key, _plain(catalog[key].help).partition("\n")[0]) for key in catalog]
         if as_json:
             click.echo(json.dumps([{"behavior": key, "help": text} for key, text in rows]))
         else:
@@ -135,7 +140,7 @@ def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
 
     return {
         "behavior": behavior.name,
-        "help": behavior.help,
+        "help": _plain(behavior.help),
         "parameters": {p.name: _parameter(p) for p in behavior.parameters.values()},
         "outcomes": {word: names(fields) for word, fields in behavior.outcomes.items()},
         "events": {event: names(fields) for event, fields in behavior.events.items()},
@@ -147,7 +152,7 @@ def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
 
 
 def _explain(behavior: Behavior) -> None:
-    click.echo(f"{behavior.name}\n\n{behavior.help}\n")
+    click.echo(f"{behavior.name}\n\n{_plain(behavior.help)}\n")
     if behavior.parameters:
         click.echo("parameters (`live` ones may also stand under `live:`):")
         _table([(f"  {p.name}", _described(p)) for p in behavior.parameters.values()])

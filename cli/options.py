@@ -13,10 +13,9 @@ from vencejo.errors import nearest
 class Word(click.ParamType):  # type: ignore[type-arg]
     """One of a few words; a mistyped one gets the nearest."""
 
-    name = "word"
-
     def __init__(self, words: list[str]) -> None:
         self.words = words
+        self.name = "|".join(words)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if value in self.words:
