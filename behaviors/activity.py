@@ -73,7 +73,9 @@ class DroneActivity:
         try:
             self._attach()
             for name, value in self._resolve(live).items() if live else ():
-                setattr(self._behavior.params, name, value)
+                # What has no value just now, like the place of something unseen, stays as it was.
+                if value is not None:
+                    setattr(self._behavior.params, name, value)
             ended = self._behavior.step(self._flight)
         except Exception as error:
             return _failed(_story(error))

@@ -9,8 +9,10 @@ import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from types import ModuleType
+from typing import TypeGuard
 
-from behaviors.behavior import Behavior, describe, name_of
+from behaviors.behavior import Behavior, describe
 from fsm.vocabulary import Behavior as BehaviorInfo
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Scalar
@@ -47,17 +49,19 @@ def load_uses(files: Sequence[Scalar], folder: Path) -> dict[str, BehaviorInfo]:
     """
     found: dict[str, BehaviorInfo] = {}
     for scalar in files:
-        for behavior in _behaviors_in(scalar, folder):
-            info = describe(behavior)
+        for info in _behaviors_in(scalar, folder):
             if info.name in Catalog() or info.name in found:
                 raise UserError(
-                    "name-taken", f"there is a behaviour '{info.name}' already", scalar.where
+                    "name-taken",
+                    f"'{scalar.text}' has a behaviour '{info.name}', but there is one already",
+                    scalar.where,
+                    "give the class another name, or set its `name`",
                 )
             found[info.name] = info
     return found
 
 
-def _behaviors_in(scalar: Scalar, folder: Path) -> list[type[Behavior]]:
+def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
     name, where = scalar.text, scalar.where
     path = (folder / name).resolve()
     if not path.is_relative_to(folder.resolve()):
@@ -79,27 +83,34 @@ def _behaviors_in(scalar: Scalar, folder: Path) -> list[type[Behavior]]:
     sys.modules[module_name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+        # A class that has two names in its file is still one behaviour.
+        own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))
+        behaviors = [describe(behavior) for behavior in own]
+    except (Exception, SystemExit) as error:
+        del sys.modules[module_name]
         raise UserError(
             "broken-code",
             f"'{name}' cannot be loaded: {type(error).__name__}: {error}",
             Where(name, _line_in(error, path), 1),
             f"named under `uses` at {where}",
         ) from None
-    behaviors = [
-        thing
-        for thing in vars(module).values()
-        if isinstance(thing, type)
-        and issubclass(thing, Behavior)
-        and thing.__module__ == module_name
-        and not name_of(thing).startswith("_")
-    ]
     if not behaviors:
-        raise UserError("no-behaviour", f"there is no Behavior class in '{name}'", where)
+        hint = "write `class Circle(Behavior): …`, with `from behaviors import Behavior`"
+        raise UserError("no-behaviour", f"there is no behaviour in '{name}'", where, hint)
     return behaviors
 
 
-def _line_in(error: Exception, path: Path) -> int:
+def _is_own(thing: object, module: ModuleType) -> TypeGuard[type[Behavior]]:
+    """Whether a file's name is a behaviour written in it; `_names` are for its own use."""
+    return (
+        isinstance(thing, type)
+        and issubclass(thing, Behavior)
+        and thing.__module__ == module.__name__
+        and not thing.__name__.startswith("_")
+    )
+
+
+def _line_in(error: BaseException, path: Path) -> int:
     """The line of the user's file that an error comes from."""
     if isinstance(error, SyntaxError):
         return error.lineno or 1

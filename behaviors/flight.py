@@ -63,7 +63,7 @@ class MissionFrame:
         here = start.position
         if isinstance(given, str):
             if given == "home":
-                return self.from_world(self.origin)._replace(z=here.z)
+                return Point(0.0, 0.0, here.z)
             if given in self.places:
                 return self.from_world(self.places[given])
             known = ", ".join(["home", *sorted(self.places)])
@@ -127,6 +127,8 @@ class Flight:
         self.dt = PERIOD
         self.setpoint: Setpoint | None = None
         """What was commanded in this period, mission frame."""
+        self.order: Order | None = None
+        """The manoeuvre that the behaviour at work has asked the vehicle for."""
         self.raise_event: Callable[[str, Any], None] = _no_event
         """Raise a declared event: name and record. Set for the behaviour that is at work."""
         self.publish: Callable[[Any], None] = _no_value
@@ -155,8 +157,12 @@ class Flight:
         return self._vehicle.capabilities
 
     def command(self, setpoint: Setpoint) -> None:
-        """Fly a set-point of the mission frame in this period; the last word counts."""
+        """Fly a set-point of the mission frame in this period; the last word counts.
+
+        It ends a manoeuvre under way. In a period without either the vehicle holds its place.
+        """
         self.setpoint = setpoint
+        self.order = None
 
     def send(self) -> None:
         """Hand this period's set-point to the vehicle, in the world frame."""
@@ -176,13 +182,16 @@ class Flight:
         return self._vehicle.disarm()
 
     def takeoff(self, altitude: float) -> Order:
-        return self._vehicle.takeoff(altitude)
+        self.order = self._vehicle.takeoff(altitude)
+        return self.order
 
     def land(self) -> Order:
-        return self._vehicle.land()
+        self.order = self._vehicle.land()
+        return self.order
 
     def return_home(self) -> Order:
-        return self._vehicle.return_home()
+        self.order = self._vehicle.return_home()
+        return self.order
 
     def camera(self, name: str) -> Camera:
         """A camera whose frames carry mission-frame poses. Raises hal's Unavailable."""

@@ -16,8 +16,8 @@ from vencejo.geometry import Point
 class GoTo(Behavior):
     """Fly to a point in a straight line and stay inside the tolerance for ``dwell``.
 
-    A point of two coordinates keeps the height at the start. Ends in ``blocked`` when it is not
-    there in time: by default twice the way at that speed, and 15 s.
+    A point of two coordinates keeps the height at the start. Ends in ``blocked`` when it has come
+    no nearer for 15 s, or when ``timeout`` is over. The point is held afterwards.
     """
 
     name = "goto"
@@ -29,24 +29,21 @@ class GoTo(Behavior):
         tolerance: float = param(0.20, unit="m", min=0.02, help="distance that counts as there")
         yaw_tolerance: float = param(0.15, unit="rad", min=0.01, help="error of the heading")
         dwell: float = param(0.5, unit="s", min=0.0, help="time inside the tolerance")
-        timeout: float | None = param(None, unit="s", min=0.1, help="then it is blocked")
+        timeout: float | None = param(None, unit="s", min=0.1, help="then it is blocked anyway")
 
     outcomes: ClassVar[Mapping[str, type | None]] = {"done": None, "blocked": Blocked}
     publishes = Approach
     requires = ("position", "velocity")
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.leg = Leg(flight, self.params.to, self.params.timeout, self.params.speed)
+        self.leg = Leg(flight, self.params.to)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params = self.params
-        self.leg.retarget(params.to)
-        approach = self.leg.step(flight, params.speed, params.heading)
+        approach = self.leg.step(flight, params.to, params.speed, params.heading)
         flight.publish(approach)
         arrival = Arrival(params.tolerance, params.yaw_tolerance, params.dwell)
-        if self.leg.arrived(approach, arrival, flight.now):
+        if self.leg.arrived(flight, approach, arrival):
+            self.leg.rest(flight)
             return "done"
-        blocked = self.leg.late(approach)
-        if blocked:
-            return Outcome("blocked", {"reason": blocked.reason, "distance": blocked.distance})
-        return None
+        return self.leg.blocked(flight, approach, params.timeout)

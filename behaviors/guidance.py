@@ -1,7 +1,20 @@
 """Guidance: a reference that moves smoothly to a target, for the vehicle to follow.
 
-The reference is a point with a velocity. It accelerates towards the target at a limited rate and
-brakes in time, so that the vehicle's position control, fed both, neither lags nor overshoots.
+The reference is a point with a velocity. In each period of length dt it wants to move straight at
+its target with the least of
+
+- the speed that was asked for,
+- √((b·dt/2)² + 2·b·s) − b·dt/2: the speed from which it stops within the way s that is left,
+  when it slows down by b·dt each period (v² = 2·b·s, less what it moves during a period),
+- s/dt: what takes it there in this period,
+- u + (LEASH − l)·CATCH_UP, where the vehicle moves along the line at u and is a distance of l away:
+  a vehicle that is slow or held up is waited for.
+
+It nears that speed by ACCELERATION·dt at most, and at the same rate loses what moves it across
+that line, so that it comes onto its line soon, whatever it did before. The planned deceleration b
+stays below ACCELERATION, to have some left when the target or the speed changes on the way. (The
+stopping law is that of the square-root controller in ArduPilot's ``AC_PosControl``.) The vehicle
+is given both place and velocity, and so neither lags behind nor overshoots.
 """
 
 from __future__ import annotations
@@ -9,17 +22,20 @@ from __future__ import annotations
 from math import sqrt
 
 from behaviors.params import Face, Heading
-from hal.vehicle import Position
+from hal.vehicle import Observation, Position
 from vencejo.geometry import Point, bearing, distance, horizontal_distance, wrap
 
 ACCELERATION = 2.0
-"""How fast the reference changes its velocity, m/s²."""
+"""How fast the reference changes its velocity along its line, and across it, m/s²."""
 BRAKING = 1.2
-"""The deceleration it plans its stop with, m/s²; below ACCELERATION, so that it can keep it."""
+"""The deceleration it plans its stop with, m/s²."""
 LEASH = 0.6
-"""How far the reference may run ahead of the vehicle, metres."""
+"""How far the reference runs ahead of a vehicle that cannot follow, metres."""
+CATCH_UP = 1.0
+"""How soon that distance settles, 1/s: slow against what ACCELERATION allows, so that it does."""
 MIN_TRAVEL = 0.3
-"""Over less ground than this, ``travel`` keeps the heading: the direction means nothing there."""
+"""Over less ground than this a direction means nothing, and the heading is kept, metres."""
+STILL = Point(0.0, 0.0, 0.0)
 
 
 class Reference:
@@ -29,32 +45,34 @@ class Reference:
         self.position = position
         self.velocity = velocity
 
-    def step(self, target: Point, speed: float, vehicle: Point, dt: float) -> None:
-        """Move on by ``dt`` seconds towards ``target`` at up to ``speed`` m/s.
-
-        Waits when the vehicle falls back, so that a vehicle that is held up is not overwhelmed.
-        """
+    def step(self, target: Point, speed: float, vehicle: Observation, dt: float) -> None:
+        """Move on by ``dt`` seconds towards ``target`` at up to ``speed`` m/s."""
         dx, dy, dz = target.minus(self.position)
         left = sqrt(dx * dx + dy * dy + dz * dz)
-        lead = distance(self.position, vehicle)
-        # v² = 2·a·s, less the way of one period so that the stop is not overrun.
-        wanted = min(speed, sqrt(2 * BRAKING * left)) if left > 1e-9 else 0.0
-        if lead > LEASH:
-            wanted *= max(0.0, 1 - (lead - LEASH) / LEASH)
-        scale = wanted / left if left > 1e-9 else 0.0
+        ux, uy, uz = (dx / left, dy / left, dz / left) if left > 1e-9 else STILL
         vx, vy, vz = self.velocity
-        ax, ay, az = dx * scale - vx, dy * scale - vy, dz * scale - vz
-        change = sqrt(ax * ax + ay * ay + az * az)
-        most = ACCELERATION * dt
-        if change > most:
-            ax, ay, az = ax * most / change, ay * most / change, az * most / change
-        vx, vy, vz = vx + ax, vy + ay, vz + az
-        if left <= sqrt(vx * vx + vy * vy + vz * vz) * dt or left < 1e-3:
-            self.position, self.velocity = target, Point(0.0, 0.0, 0.0)
-            return
-        x, y, z = self.position
-        self.position = Point(x + vx * dt, y + vy * dt, z + vz * dt)
+        along = vx * ux + vy * uy + vz * uz
+        vx, vy, vz = vx - along * ux, vy - along * uy, vz - along * uz
+        across = sqrt(vx * vx + vy * vy + vz * vz)
+        kept = max(0.0, 1 - ACCELERATION * dt / across) if across else 0.0
+
+        lost = BRAKING * dt / 2
+        wanted = min(speed, sqrt(lost * lost + 2 * BRAKING * left) - lost, left / dt)
+        flown = vehicle.velocity
+        follows = flown.x * ux + flown.y * uy + flown.z * uz
+        lead = distance(self.position, vehicle.position)
+        wanted = min(wanted, max(0.0, follows + (LEASH - lead) * CATCH_UP))
+        # What still moves it across is part of its speed.
+        wanted = min(wanted, sqrt(max(0.0, speed * speed - (across * kept) ** 2)))
+        along += max(-ACCELERATION * dt, min(ACCELERATION * dt, wanted - along))
+
+        vx, vy, vz = vx * kept + along * ux, vy * kept + along * uy, vz * kept + along * uz
         self.velocity = Point(vx, vy, vz)
+        self.position = self.position.plus((vx * dt, vy * dt, vz * dt))
+
+    def stop(self, vehicle: Observation, dt: float) -> None:
+        """Slow down along the way it moves, and stay where that ends."""
+        self.step(self.position, 0.0, vehicle, dt)
 
     def setpoint(self, yaw: float) -> Position:
         return Position(self.position, self.velocity, yaw)
@@ -65,14 +83,13 @@ def yaw_towards(
 ) -> float:
     """The yaw that a heading asks for just now, radians.
 
-    ``travel`` looks along the way while there is some left, then keeps what it has.
+    ``travel`` and ``face`` keep ``present_yaw``, the last one asked for, where what they look at
+    is too near to have a direction.
     """
-    if isinstance(heading, Face):
-        near = horizontal_distance(here, heading.point) < MIN_TRAVEL
-        return present_yaw if near else bearing(here, heading.point)
-    if heading == "travel":
-        far = horizontal_distance(here, target) > MIN_TRAVEL
-        return bearing(here, target) if far else present_yaw
+    if isinstance(heading, Face) or heading == "travel":
+        ahead = heading.point if isinstance(heading, Face) else target
+        near = horizontal_distance(here, ahead) < MIN_TRAVEL
+        return present_yaw if near else bearing(here, ahead)
     if isinstance(heading, str):
         return start_yaw
     return wrap(heading)

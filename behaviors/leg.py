@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from behaviors.flight import Flight
 from behaviors.guidance import Reference, yaw_towards
 from behaviors.params import Heading, value
+from fsm.vocabulary import Outcome
+from hal.vehicle import Position
 from vencejo.geometry import Point, distance, wrap
+
+PATIENCE = 15.0
+"""Seconds a leg goes on without getting nearer to its target."""
+NEARER = 0.1
+"""What counts as getting nearer, metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,39 +52,39 @@ class Arrival:
 
 
 class Leg:
-    """Follows a reference to its target; ``step`` each period until ``arrived`` or ``late``."""
+    """Follows a reference to a target: each period ``step``, then ``arrived`` and ``blocked``."""
 
-    def __init__(self, flight: Flight, target: Point, timeout: float | None, speed: float) -> None:
+    def __init__(self, flight: Flight, target: Point) -> None:
         seen = flight.observation
-        self.target = target
-        self.started = flight.now
-        self.start_yaw = seen.yaw
-        self.yaw = seen.yaw
+        self.start_yaw = self.yaw = seen.yaw
         self.reference = Reference(seen.position, seen.velocity)
-        self.inside_since: float | None = None
-        self.length = distance(seen.position, target)
-        # Twice the time it should take, and time to settle: a leg that is held up ends.
-        self.timeout = timeout if timeout is not None else 2 * self.length / speed + 15.0
+        self.begin(target, flight.now)
 
-    def step(self, flight: Flight, speed: float, heading: Heading) -> Approach:
+    def begin(self, target: Point, now: float) -> None:
+        """Head for the next target from where the reference is, at the speed it has."""
+        self.started = now
+        self._aim(target, now)
+
+    def _aim(self, target: Point, now: float) -> None:
+        self.target = target
+        self.inside_since: float | None = None
+        self._nearest = inf
+        self._nearer_at = now
+
+    def step(self, flight: Flight, target: Point, speed: float, heading: Heading) -> Approach:
         """Command this period's set-point; how far it still is."""
+        if target != self.target:
+            self._aim(target, flight.now)
         seen = flight.observation
-        self.yaw = yaw_towards(heading, seen.position, self.target, self.start_yaw, self.yaw)
-        self.reference.step(self.target, speed, seen.position, flight.dt)
+        self.yaw = yaw_towards(heading, seen.position, target, self.start_yaw, self.yaw)
+        self.reference.step(target, speed, seen, flight.dt)
         flight.command(self.reference.setpoint(self.yaw))
         return Approach(
-            distance(seen.position, self.target),
-            wrap(self.yaw - seen.yaw),
-            flight.now - self.started,
+            distance(seen.position, target), wrap(self.yaw - seen.yaw), flight.now - self.started
         )
 
-    def retarget(self, target: Point) -> None:
-        """Head for another target from where the reference is."""
-        if target != self.target:
-            self.target = target
-            self.inside_since = None
-
-    def arrived(self, approach: Approach, arrival: Arrival, now: float) -> bool:
+    def arrived(self, flight: Flight, approach: Approach, arrival: Arrival) -> bool:
+        """Whether it is there, and has been for the dwell."""
         inside = (
             approach.distance <= arrival.tolerance
             and abs(approach.yaw_error) <= arrival.yaw_tolerance
@@ -85,10 +93,22 @@ class Leg:
             self.inside_since = None
             return False
         if self.inside_since is None:
-            self.inside_since = now
-        return now - self.inside_since >= arrival.dwell - 1e-9
+            self.inside_since = flight.now
+        return flight.now - self.inside_since >= arrival.dwell - 1e-9
 
-    def late(self, approach: Approach) -> Blocked | None:
-        if approach.elapsed < self.timeout:
+    def rest(self, flight: Flight) -> None:
+        """Command the target itself: what is held once the leg is over."""
+        flight.command(Position(self.target, yaw=self.yaw))
+
+    def blocked(self, flight: Flight, approach: Approach, timeout: float | None) -> Outcome | None:
+        """Whether it does not get there: time is up, or it has long come no nearer."""
+        if self.inside_since is not None or approach.distance < self._nearest - NEARER:
+            self._nearest = min(self._nearest, approach.distance)
+            self._nearer_at = flight.now
+        if timeout is not None and approach.elapsed >= timeout:
+            reason = f"not there within {timeout:g} s"
+        elif flight.now - self._nearer_at >= PATIENCE:
+            reason = f"came no nearer for {PATIENCE:g} s"
+        else:
             return None
-        return Blocked("not there in time", approach.distance)
+        return Outcome("blocked", {"reason": reason, "distance": approach.distance})

@@ -6,7 +6,9 @@ import dataclasses
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from math import inf
+from operator import or_
 from typing import Any, ClassVar
 
 from fsm.types import (
@@ -108,6 +110,8 @@ def value(unit: str = "", default: Any = 0.0) -> Any:
 
 
 def _dimension(unit: str) -> Dimension | None:
+    if unit and unit not in UNITS:
+        raise ValueError(f"there is no unit '{unit}'")
     return UNITS[unit][1] if unit else None
 
 
@@ -117,9 +121,9 @@ def _si(number: Any, unit: str) -> Any:
 
 
 def _type(annotation: Any, spec: ParamSpec) -> Type:
-    options = [a for a in typing.get_args(annotation) if a is not type(None)]
-    if annotation != Heading and len(options) == 1 and type(None) in typing.get_args(annotation):
-        annotation = options[0]
+    options = typing.get_args(annotation)
+    if type(None) in options:
+        annotation = reduce(or_, (option for option in options if option is not type(None)))
     type_ = _TYPES.get(annotation, ANY)
     if isinstance(type_, Number):
         low, high = _si(spec.min, spec.unit), _si(spec.max, spec.unit)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 from behaviors.activity import DroneActivity
@@ -21,15 +22,18 @@ from fsm.machine import Instance
 from fsm.vocabulary import Behavior
 from hal.vehicle import Hold, Order, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
-from vencejo.geometry import distance
+from vencejo.geometry import Point, distance
 from vencejo.seeds import generator
 
 HOLD_BEFORE_LANDING = 1.0
 """Seconds the vehicle comes to rest for, when a mission ends in the air."""
 LANDING_TIMEOUT = 300.0
 """Seconds (vehicle's clock) within which any landing must have ended."""
-STAY_WITHIN = 0.5
-"""Metres within which an ended behaviour's last target is held, rather than the present place."""
+LANDING_RETRY = 1.0
+"""Seconds after which a refused landing is asked for again."""
+STAY_WITHIN = 1.0
+"""Metres within which a place that was commanded is held, rather than where the vehicle stops."""
+STILL = Point(0.0, 0.0, 0.0)
 
 
 class Pilot:
@@ -59,6 +63,7 @@ class Pilot:
         self.outcome: str | None = None
         self._watch = Watch(thresholds or Thresholds())
         self._ended_at: float | None = None
+        self._landing_asked = -inf
         self._held: Setpoint = Hold()
         self._require(graph)
 
@@ -84,6 +89,8 @@ class Pilot:
         progress: Mapping[str, Any] | None,
     ) -> DroneActivity:
         """Start a behaviour for a state (see fsm.Host)."""
+        if "motion" in behavior.controls:
+            self.flight.order = None
         return DroneActivity(behavior, parameters, progress, self.flight, self.instance.post)
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
@@ -132,7 +139,7 @@ class Pilot:
         detail = fields.get("reason") or fields.get("message")
         self.reason = f"nothing handled {name}" + (f": {detail}" if detail else "")
         self.instance.record("reaction", event=name, does="land")
-        self.instance.stop("aborted" if name == "operator.abort" else "failed")
+        self.instance.stop("aborted" if name.startswith("operator.") else "failed")
 
     def _end(self, outcome: str) -> None:
         self.outcome = outcome
@@ -155,34 +162,45 @@ class Pilot:
             )
         if self.landing is None and waited < HOLD_BEFORE_LANDING and self.flight.observation.flying:
             self.vehicle.command(Hold())
-        elif self.landing is None or self.landing.state == "refused":
+        elif self.landing is None or (self.landing.state == "refused" and self._may_ask_again()):
             self._land()
 
     def _land(self) -> None:
         self.instance.record("landing", by="host")
+        self._landing_asked = self.flight.now
         self.landing = self.vehicle.land()
 
+    def _may_ask_again(self) -> bool:
+        return self.flight.now - self._landing_asked >= LANDING_RETRY
+
     def _command(self) -> None:
-        """The mission's set-point, or a hold where no behaviour is in control of the motion."""
+        """The set-point of the behaviour in control; without one, hold: nothing stays latched."""
         flight = self.flight
-        if flight.setpoint is None and not self._in_control():
-            flight.setpoint = self._held
-        elif flight.setpoint is not None:
+        if flight.setpoint is not None:
             self._held = self._stay(flight.setpoint)
-        else:
+        elif self._manoeuvres():
             self._held = Hold()
+            return
+        else:
+            flight.setpoint = self._held
         flight.send()
 
-    def _stay(self, setpoint: Setpoint) -> Setpoint:
-        """What to hold once the behaviour that commands this is gone."""
-        near = (
-            isinstance(setpoint, Position)
-            and distance(setpoint.xyz, self.flight.observation.position) < STAY_WITHIN
-            and self.flight.observation.velocity.norm() < STAY_WITHIN
-        )
-        if isinstance(setpoint, Position) and near:
-            return replace(setpoint, velocity=None, yaw_rate=None)
-        return Hold()
+    def _manoeuvres(self) -> bool:
+        """Whether the vehicle flies by itself: on the order of a behaviour, or because it has
+        carried one out, and so holds its place or stands on the ground.
+        """
+        order = self.flight.order
+        if order is None or order.state == "refused":
+            return False
+        return order.state == "done" or self.instance.is_controlled("motion")
 
-    def _in_control(self) -> bool:
-        return self.instance.is_controlled("motion")
+    def _stay(self, setpoint: Setpoint) -> Setpoint:
+        """What is held once nobody commands this any more.
+
+        A near place to be at rest in is kept; from all that moves the vehicle comes to rest.
+        """
+        if not isinstance(setpoint, Position) or (setpoint.velocity or STILL) != STILL:
+            return Hold()
+        if distance(setpoint.xyz, self.flight.observation.position) > STAY_WITHIN:
+            return Hold()
+        return replace(setpoint, yaw_rate=None)

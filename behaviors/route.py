@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
@@ -38,8 +39,9 @@ class FlyRoute(Behavior):
     """Fly points in order; each may have its own ``{at, heading, speed, dwell}``.
 
     A point is reached inside ``tolerance`` (the straight-line threshold of the beacon application
-    of Yagüe, 2015); without a dwell the vehicle goes on at once. The last is held like a goto's.
-    Raises ``route.reached`` at each point, and resumes at the one it headed for when interrupted.
+    of Yagüe, 2015); without a dwell the vehicle goes on at once. The last one is held afterwards.
+    Raises ``route.reached`` at each point. Ends in ``blocked`` like a goto. Entered again by way
+    of a history state, it goes on with the point it was heading for.
     """
 
     name = "route"
@@ -61,16 +63,10 @@ class FlyRoute(Behavior):
     requires = ("position", "velocity")
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.index = min(int((progress or {}).get("index", 0)), max(0, len(self.params.points) - 1))
-        self.leg = self._leg(flight) if self.params.points else None
-
-    def _leg(self, flight: Flight, before: Leg | None = None) -> Leg:
-        point = self.params.points[self.index]
-        leg = Leg(flight, point.at, self.params.timeout, point.speed or self.params.speed)
-        if before is not None:
-            # Fly on smoothly: the reference does not stop at a point without dwell.
-            leg.reference, leg.yaw = before.reference, before.yaw
-        return leg
+        self.index = (progress or {}).get("index", 0)
+        points = self.params.points
+        # With fewer points than when it was interrupted, nothing is left to fly.
+        self.leg = Leg(flight, points[self.index].at) if self.index < len(points) else None
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params, leg = self.params, self.leg
@@ -78,21 +74,19 @@ class FlyRoute(Behavior):
             return "done"
         point: Waypoint = params.points[self.index]
         heading = params.heading if point.heading is None else point.heading
-        approach = leg.step(flight, point.speed or params.speed, heading)
-        flight.publish(Passage(self.index, len(params.points), approach.distance))
         dwell = params.dwell if point.dwell is None else point.dwell
-        # A heading is waited for only where one was asked for, not one that follows the way.
-        turned = params.yaw_tolerance if dwell or point.heading is not None else 7.0
-        if leg.arrived(approach, Arrival(params.tolerance, turned, dwell), flight.now):
-            flight.raise_event("route.reached", Reached(self.index, point.at))
-            if self.index + 1 == len(params.points):
-                return "done"
-            self.index += 1
-            self.leg = self._leg(flight, leg)
-            return None
-        blocked = leg.late(approach)
-        if blocked:
-            return Outcome("blocked", {"reason": blocked.reason, "distance": blocked.distance})
+        approach = leg.step(flight, point.at, point.speed or params.speed, heading)
+        flight.publish(Passage(self.index, len(params.points), approach.distance))
+        # Where it flies on at once, it waits for no heading but the one of this very point.
+        turned = params.yaw_tolerance if dwell or point.heading is not None else inf
+        if not leg.arrived(flight, approach, Arrival(params.tolerance, turned, dwell)):
+            return leg.blocked(flight, approach, params.timeout)
+        flight.raise_event("route.reached", Reached(self.index, point.at))
+        self.index += 1
+        if self.index == len(params.points):
+            leg.rest(flight)
+            return "done"
+        leg.begin(params.points[self.index].at, flight.now)
         return None
 
     def progress(self) -> dict[str, Any]:

@@ -21,6 +21,10 @@ class Thresholds:
     """Seconds of silence of ``link.lost``."""
 
 
+RECOVERED = 0.02
+"""How far above its threshold a charge must rise before it can be low again: estimates waver."""
+
+
 class Watch:
     """Compares each observation with the thresholds; every crossing is one event."""
 
@@ -36,9 +40,9 @@ class Watch:
             ("battery.critical", limits.battery_critical),
             ("battery.low", limits.battery_low),
         ):
-            if seen.battery > level:
+            if seen.battery > level + RECOVERED:
                 self._below.discard(name)
-            elif name not in self._below:
+            elif seen.battery <= level and name not in self._below:
                 self._below.add(name)
                 yield name, {"level": seen.battery}
         lost = seen.link_age > limits.link_lost

@@ -1,6 +1,6 @@
 """How well and how fast the simulator's controller flies: one table, or JSON with ``--json``.
 
-Run from the repository: ``python bench/hold.py``.
+python -m bench.hold [--json]
 """
 
 from __future__ import annotations
@@ -9,12 +9,10 @@ import json
 import sys
 from collections.abc import Iterator
 from math import hypot, pi, sqrt
-from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
+from bench.machine import machine
 from hal.sim import open_session
 from hal.vehicle import PERIOD, Hold, Observation, Options, Position, Session, Velocity
 from vencejo.geometry import Point, distance, wrap
@@ -184,8 +182,9 @@ def main() -> None:
         "speed": speed(),
     }
     if "--json" in sys.argv[1:]:
-        print(json.dumps(results, indent=2))
+        print(json.dumps({"machine": machine(), **results}, indent=2))
         return
+    print(f"hal.sim; {machine()}")
     for name, figures in results.items():
         shown = "  ".join(f"{key} {value:.3f}" for key, value in figures.items())
         print(f"{name:28}{shown}")

@@ -6,37 +6,36 @@ import re
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
+from fsm.conversion import convert
 from fsm.expressions import Compiled
-from fsm.functions import EvaluationError
+from fsm.functions import as_text, bounded
 from fsm.graph import Action
-from fsm.literals import Context, convert, read_value
+from fsm.literals import Context, collecting, read_value
 from fsm.scope import Binding
 from fsm.spec import ActionSpec
 from fsm.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind
 from vencejo.units import TIME
 
-MAX_RESULT = 1_000_000
-"""Characters of a text, or elements of a list, that a variable may hold."""
 _EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
 _SEND_KEYS = frozenset({"event", "with", "delay", "id"})
 
 Events = Mapping[str, Mapping[str, Type]]
 
 
-def raised(spec: ActionSpec) -> str | None:
-    """The name of the event that an action raises or sends."""
-    node: Node | None = spec.node
-    if spec.kind == "raise":
-        if isinstance(node, MapNode) and len(node.entries) == 1:
-            return node.entries[0][0].text
-        return node.text if isinstance(node, Scalar) else None
-    if spec.kind == "send" and isinstance(node, MapNode):
-        node = node.get("event")
-        return node.text if isinstance(node, Scalar) else None
-    return None
+def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
+    """The event that an action raises or sends, with the names of its fields."""
+    node, body = spec.node, None
+    name: Node | None = node if spec.kind == "raise" else None
+    if spec.kind == "raise" and isinstance(node, MapNode) and len(node.entries) == 1:
+        name, body = node.entries[0]
+    elif spec.kind == "send" and isinstance(node, MapNode):
+        name, body = node.get("event"), node.get("with")
+    if not isinstance(name, Scalar):
+        return None
+    return name.text, tuple(key.text for key, _ in body) if isinstance(body, MapNode) else ()
 
 
 def compile_action(spec: ActionSpec, context: Context, events: Events) -> Action:
@@ -47,8 +46,7 @@ def compile_action(spec: ActionSpec, context: Context, events: Events) -> Action
         case "append":
             return _append(spec, context)
         case "log":
-            text = read_value(spec.node, TEXT, context)
-            return Action("log", lambda i, e: i.record("log", text=text(i.slots, e)))
+            return _log(spec, context)
         case "raise":
             return _raise(spec, context, events)
         case "send":
@@ -61,13 +59,12 @@ def compile_action(spec: ActionSpec, context: Context, events: Events) -> Action
             )
 
 
-def bounded(value: Any) -> Any:
-    """A value small enough to keep. Raises EvaluationError."""
-    if isinstance(value, (str, list)) and len(value) > MAX_RESULT:
-        raise EvaluationError("the result is larger than 1 MB")
-    if isinstance(value, (int, float)) and not abs(value) < 1e300:
-        raise EvaluationError("the result is too large a number")
-    return value
+def _log(spec: ActionSpec, context: Context) -> Action:
+    node = spec.node
+    # A value by itself is shown as it would be inside a text.
+    alone = isinstance(node, Scalar) and "$" in node.text
+    text = read_value(node, ANY if alone else TEXT, context)
+    return Action("log", spec.where, lambda i, e: i.record("log", text=as_text(text(i.slots, e))))
 
 
 def _map(node: Node, what: str) -> MapNode:
@@ -93,19 +90,29 @@ def _variable(name: Scalar, context: Context) -> Binding:
 
 
 def _assignments(spec: ActionSpec, context: Context) -> list[tuple[Binding, Compiled]]:
-    found = []
+    found: list[tuple[Binding, Compiled]] = []
+    faults: list[Fault] = []
     for name, node in _map(spec.node, spec.kind):
-        variable = _variable(name, context)
-        place = variable.type
-        if spec.kind == "append":
-            if not fits(ListOf(), place):
-                _mistyped(name, f"'{name.text}' is {place}, and only a list can be appended to")
-            place = ANY
-        value = read_value(node, place, context)
-        if not fits(place, value.type):
-            _mistyped(name, f"'{name.text}' is {place}, not {value.type}")
-        found.append((variable, value))
+        with collecting(faults):
+            found.append(_assignment(spec, name, node, context))
+    if faults:
+        raise UserError.of(faults)
     return found
+
+
+def _assignment(
+    spec: ActionSpec, name: Scalar, node: Node, context: Context
+) -> tuple[Binding, Compiled]:
+    variable = _variable(name, context)
+    place = variable.type
+    if spec.kind == "append":
+        if not fits(ListOf(), place):
+            _mistyped(name, f"'{name.text}' is {place}, and only a list can be appended to")
+        place = ANY
+    value = read_value(node, place, context)
+    if not fits(place, value.type):
+        _mistyped(name, f"'{name.text}' is {place}, not {value.type}")
+    return variable, value
 
 
 def _mistyped(name: Scalar, message: str) -> NoReturn:
@@ -123,7 +130,7 @@ def _set(spec: ActionSpec, context: Context) -> Action:
             slots[variable.slot] = value
             instance.record("set", name=variable.name, value=value)
 
-    return Action("set", run)
+    return Action("set", spec.where, run)
 
 
 def _append(spec: ActionSpec, context: Context) -> Action:
@@ -137,7 +144,7 @@ def _append(spec: ActionSpec, context: Context) -> Action:
             slots[variable.slot] = bounded([*(slots[variable.slot] or ()), value])
             instance.record("append", name=variable.name, value=value)
 
-    return Action("append", run)
+    return Action("append", spec.where, run)
 
 
 def _fields(
@@ -168,7 +175,7 @@ def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
     else:
         name = _event_name(node, node.where)
     fields = _fields(body, events.get(name, {}), context, node.where)
-    return Action("raise", lambda i, e: i.raise_event(name, fields(i.slots, e)))
+    return Action("raise", spec.where, lambda i, e: i.raise_event(name, fields(i.slots, e)))
 
 
 def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
@@ -196,9 +203,9 @@ def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
             id_(slots, event) if id_ else name,
         )
 
-    return Action("send", run)
+    return Action("send", spec.where, run)
 
 
 def _cancel(spec: ActionSpec, context: Context) -> Action:
     id_ = read_value(spec.node, TEXT, context)
-    return Action("cancel", lambda i, e: i.cancel(id_(i.slots, e)))
+    return Action("cancel", spec.where, lambda i, e: i.cancel(id_(i.slots, e)))

@@ -6,7 +6,11 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from fsm.graph import Edge, Graph, Node, default_entry
+from fsm.vocabulary import matches
 from vencejo.errors import Fault
+
+PERIOD = 0.025
+"""Seconds of one mission period."""
 
 
 def check(graph: Graph) -> list[Fault]:
@@ -21,6 +25,11 @@ def check(graph: Graph) -> list[Fault]:
         *_endless_always(graph),
         *_durations(graph),
         *_unreachable(graph),
+        *_final_regions(graph),
+        *_never_done(graph),
+        *_always_on_the_world(graph),
+        *_hidden_handlers(graph),
+        *_left_landings(graph),
     ]
 
 
@@ -31,9 +40,12 @@ def _handles(node: Node, word: str, graph: Graph) -> tuple[Edge, ...]:
 def _unhandled_outcomes(graph: Graph) -> Iterator[Fault]:
     for node in graph.nodes:
         words = set(node.invocation.behavior.outcomes) if node.invocation else set()
-        finals = [child for child in node.children if child.type == "final"]
-        words |= {final.outcome for final in finals} if node.parent is not None else set()
-        if node.type == "parallel" and all(map(_can_finish, default_entry(node))):
+        if node.children:
+            words.discard("done")  # not allowed there: see `_companions`
+        if node.type == "compound" and node.parent is not None:
+            words |= {child.outcome for child in node.children if child.type == "final"}
+        finishes = node.type == "parallel" and _can_finish(node)
+        if finishes and node.parent is not None:
             words.add("done")
         for word in sorted(words - {"failed"}):
             chain = (node,) if word == "done" else (node, *node.ancestors)
@@ -74,14 +86,23 @@ def _endless_states(graph: Graph) -> Iterator[Fault]:
     for node in graph.nodes:
         if node.children or node.type in ("final", "history"):
             continue
-        around = (node, *node.ancestors)
-        if not any(_leaves(edge, node) for place in around for edge in place.edges()):
+        if node.parent is graph.root and graph.root.type == "parallel" and _can_finish(node):
+            continue
+        if not any(_leaves(edge, node) for place in _beside(graph, node) for edge in place.edges()):
             yield Fault(
                 "no-way-out",
                 f"nothing ever leaves '{node.path or graph.name}'",
                 node.where,
                 "give it a transition with a target, or make it `type: final`",
             )
+
+
+def _beside(graph: Graph, node: Node) -> Iterator[Node]:
+    """The states that can be active together with one: itself, those around it, other regions'."""
+    for other in graph.nodes:
+        common = next(a for a in (other, *other.ancestors) if a is node or a.contains(node))
+        if other is node or other.contains(node) or common.type == "parallel":
+            yield other
 
 
 def _leaves(edge: Edge, node: Node) -> bool:
@@ -169,6 +190,24 @@ def _dead_alternatives(graph: Graph) -> Iterator[Fault]:
                         later.where,
                         "give the one before it a guard, or put this one first",
                     )
+        for index, (event, edges) in enumerate(node.on):
+            for pattern, earlier_edges in node.on[:index]:
+                takes_all = any(edge.guard is None for edge in earlier_edges)
+                if takes_all and edges and _covers(pattern, event, graph):
+                    yield Fault(
+                        "dead-alternative",
+                        f"'{event}' is never reached: '{pattern}' above it takes all",
+                        edges[0].where,
+                        f"put '{event}' before '{pattern}'",
+                    )
+
+
+def _covers(pattern: str, event: str, graph: Graph) -> bool:
+    """Whether whatever ``event`` names is taken by ``pattern`` as well."""
+    if pattern == "*":
+        name = event.removesuffix(".*") + (".x" if event.endswith(".*") else "")
+        return not name.startswith("error.") and not graph.vocabulary.is_urgent(name)
+    return matches(pattern, event)
 
 
 def _endless_always(graph: Graph) -> Iterator[Fault]:
@@ -177,13 +216,25 @@ def _endless_always(graph: Graph) -> Iterator[Fault]:
         node, seen = start, set[int]()
         while True:
             edge = next((edge for edge in node.always if edge.guard is None), None)
+            if edge is not None and not edge.targets:
+                yield Fault(
+                    "endless-always",
+                    "this `always` leads nowhere and never ends",
+                    edge.where,
+                    "give it a target or a guard; what is to be done once belongs to `entry`",
+                )
             if edge is None or len(edge.targets) != 1:
                 break
             node = edge.targets[0]
             while node.initial and len(node.initial) == 1 and not node.always:
                 node = node.initial[0]
             if node is start:
-                yield Fault("endless-always", "these `always` transitions never end", edge.where)
+                yield Fault(
+                    "endless-always",
+                    "these `always` transitions never end",
+                    edge.where,
+                    "give one of them a guard",
+                )
             if node.index in seen:
                 break
             seen.add(node.index)
@@ -196,6 +247,14 @@ def _durations(graph: Graph) -> Iterator[Fault]:
             if not after.duration.constant:
                 continue
             seconds = float(after.duration.value())
+            if seconds < PERIOD:
+                yield Fault(
+                    "short-duration",
+                    f"'{after.duration.source}' is shorter than a mission period (25 ms)",
+                    after.duration.where,
+                    "it is taken in the first period after the state was entered",
+                    severity="warning",
+                )
             if seconds in seen:
                 yield Fault(
                     "equal-durations",
@@ -237,3 +296,79 @@ def _unreachable(graph: Graph) -> Iterator[Fault]:
                 "remove it, or name it as a target",
                 severity="warning",
             )
+
+
+def _final_regions(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        if node.type == "final" and node.parent is not None and node.parent.type == "parallel":
+            yield Fault(
+                "final-region",
+                f"'{node.path}' is a region, and a region cannot be final",
+                node.where,
+                "put it inside a region, or the parallel state inside another one",
+            )
+
+
+def _never_done(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        if node.type == "parallel" and not _can_finish(node):
+            for pattern, edges in node.on:
+                endless = next(r for r in default_entry(node) if not _can_finish(r))
+                if pattern == "done" and edges:
+                    yield Fault(
+                        "never-done",
+                        f"'{node.path}' is never done: its region '{endless.path}' has no end",
+                        edges[0].where,
+                        "give that region a final state, or leave on something else",
+                    )
+
+
+def _always_on_the_world(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        for edge in node.always:
+            if edge.guard and edge.guard.reads & {"host", "published", "entered"}:
+                yield Fault(
+                    "always-on-the-world",
+                    f"'{edge.guard.source}' is not tested again because the world changes",
+                    edge.guard.where,
+                    "`always` is for choices; to wait for a condition write it under `when`",
+                    severity="warning",
+                )
+
+
+def _hidden_handlers(graph: Graph) -> Iterator[Fault]:
+    """An inner state that takes an urgent event before an outer one can."""
+    if graph.outer_first:
+        return
+    for node in graph.nodes:
+        for event, edges in node.on:
+            if not edges or not graph.vocabulary.is_urgent(event):
+                continue
+            for outer in node.ancestors:
+                if outer.edges_for(event, graph.vocabulary):
+                    yield Fault(
+                        "hidden-handler",
+                        f"'{event}' is taken here before '{outer.path or graph.name}' hears of it",
+                        edges[0].where,
+                        "remove one of the two handlers",
+                        severity="warning",
+                    )
+                    break
+
+
+def _left_landings(graph: Graph) -> Iterator[Fault]:
+    """A landing that a transition of a state around it can break off."""
+    for node in graph.nodes:
+        if not (node.invocation and node.invocation.behavior.ends_landed):
+            continue
+        for outer in node.ancestors:
+            for edge in outer.edges():
+                outcome = edge.kind == "on" and "." not in edge.trigger
+                if not outcome and _leaves(edge, node):
+                    yield Fault(
+                        "left-landing",
+                        f"`{edge.kind} {edge.trigger}` can break off the landing in '{node.path}'",
+                        edge.where,
+                        "move the landing out of this state",
+                        severity="warning",
+                    )

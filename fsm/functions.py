@@ -15,6 +15,7 @@ from fsm.types import (
     ANY,
     BARE,
     BOOL,
+    MAX_NUMBER,
     POINT,
     AnyType,
     ListOf,
@@ -33,8 +34,40 @@ LOOP_BUDGET = 20_000
 """Steps that the comprehensions of one evaluation may take together."""
 
 
+MAX_RESULT = 1_000_000
+"""What a value may hold: characters of its texts, and eight for anything else in it."""
+MAX_NESTING = 50
+"""Lists and maps inside each other."""
+
+
 class EvaluationError(Exception):
     """An expression that has no value just now."""
+
+
+FAILURES = (EvaluationError, ArithmeticError, TypeError, ValueError, LookupError, AttributeError)
+"""What evaluating a checked expression can still raise, all of it ``error.execution``."""
+
+
+def bounded(value: Any) -> Any:
+    """A value small enough to keep. Raises EvaluationError."""
+    size = 0
+    level: list[Any] = [value]
+    for _ in range(MAX_NESTING):
+        inside: list[Any] = []
+        for element in level:
+            size += len(element) if isinstance(element, str) else 8
+            if isinstance(element, (int, float)) and not abs(element) < MAX_NUMBER:
+                raise EvaluationError("the result is too large a number")
+            if isinstance(element, (list, tuple, dict)):
+                size += 8 * len(element)
+                if size <= MAX_RESULT:
+                    inside.extend(element.values() if isinstance(element, dict) else element)
+            if size > MAX_RESULT:
+                raise EvaluationError("the result is larger than 1 MB")
+        if not inside:
+            return value
+        level = inside
+    raise EvaluationError("the result has too many lists inside lists")
 
 
 def number(value: Any) -> Any:
@@ -54,6 +87,11 @@ def power(base: float, exponent: float) -> float:
     if isinstance(result, complex):
         raise EvaluationError("a negative number has no such power")
     return result
+
+
+def part(value: Any, name: str) -> Any:
+    """A declared field of a record, which may be an object of the host or a map."""
+    return value[name] if isinstance(value, dict) else getattr(value, name)
 
 
 def field(value: Any, name: str) -> Any:
@@ -154,9 +192,7 @@ def _numbers(types: Sequence[Type]) -> str | None:
 
 
 def _same(types: Sequence[Type]) -> Type | str:
-    """Numbers of one dimension (or one list of them) give that dimension."""
-    if len(types) == 1 and isinstance(types[0], ListOf):
-        return types[0].item
+    """Numbers of one dimension give that dimension."""
     wrong = _numbers(types)
     if wrong:
         return wrong
@@ -164,6 +200,19 @@ def _same(types: Sequence[Type]) -> Type | str:
     for given in types[1:]:
         joined = join(joined, given)
     return Number(joined.dimension) if isinstance(joined, Number) else joined
+
+
+def _items(types: Sequence[Type]) -> Type | str:
+    """A list of numbers gives a number of their dimension."""
+    if isinstance(types[0], AnyType):
+        return ANY
+    return (
+        _same([types[0].item]) if isinstance(types[0], ListOf) else f"takes a list, not {types[0]}"
+    )
+
+
+def _same_or_items(types: Sequence[Type]) -> Type | str:
+    return _items(types) if len(types) == 1 and isinstance(types[0], ListOf) else _same(types)
 
 
 def _first(types: Sequence[Type]) -> Type | str:
@@ -236,7 +285,8 @@ def _sign(value: float) -> int:
 
 
 def _round(value: float, digits: float = 0) -> float:
-    return round(value, int(digits)) if digits else round(value)
+    # Of a float: rounding an integer to -10**9 digits would compute that power of ten.
+    return round(float(value), int(digits)) if digits else round(value)
 
 
 def _point_of(value: Any) -> Point:
@@ -249,8 +299,8 @@ def _point_of(value: Any) -> Point:
 
 FUNCTIONS: dict[str, Function] = {
     "abs": Function(abs, 1, 1, _same),
-    "min": Function(_extreme(min), 1, 99, _same),
-    "max": Function(_extreme(max), 1, 99, _same),
+    "min": Function(_extreme(min), 1, 99, _same_or_items),
+    "max": Function(_extreme(max), 1, 99, _same_or_items),
     "clamp": Function(lambda x, low, high: max(low, min(high, x)), 3, 3, _same),
     "sign": Function(_sign, 1, 1, _numeric(BARE)),
     "round": Function(_round, 1, 2, _first),
@@ -264,12 +314,7 @@ FUNCTIONS: dict[str, Function] = {
     "len": Function(len, 1, 1, _gives(Number(whole=True), ListOf, MapOf, Text)),
     "any": Function(lambda values: any(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
     "all": Function(lambda values: all(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
-    "sum": Function(
-        lambda values: sum(map(number, values)),
-        1,
-        1,
-        lambda types: types[0].item if isinstance(types[0], ListOf) else ANY,
-    ),
+    "sum": Function(lambda values: sum(map(number, values)), 1, 1, _items),
     "mod": Function(lambda a, b: a % b, 2, 2, _same),
     "point": Function(lambda x, y, z: Point(float(x), float(y), float(z)), 3, 3, _lengths),
     "distance": Function(

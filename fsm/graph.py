@@ -38,6 +38,7 @@ class Action:
     """One step of an action block, ready to run."""
 
     kind: str
+    where: Where
     run: Callable[[Any, dict[str, Any]], None]
     """Of the instance and the fields of the event."""
 
@@ -182,7 +183,6 @@ class Graph:
     parameter_slots: Mapping[str, int]
     vocabulary: Vocabulary
     slots: int
-    initial_slots: Mapping[int, Any]
     events: Mapping[str, Mapping[str, Type]]
     world: str | None
     outer_first: bool
@@ -226,17 +226,21 @@ def entry_set(
     """
     entering: dict[int, Node] = {}
 
+    def enter(targets: Iterable[Node], stop: Node | None) -> None:
+        # All of them first: what is around one must not fill another's region with its default.
+        targets = tuple(targets)
+        for target in targets:
+            descend(target)
+        for target in targets:
+            climb(target, stop)
+
     def descend(node: Node) -> None:
         if node.type == "history":
-            for restored in recorded(node):
-                descend(restored)
-                climb(restored, node.parent)
+            enter(recorded(node), node.parent)
             return
         entering[node.index] = node
         if node.type == "compound":
-            for initial in node.initial:
-                descend(initial)
-                climb(initial, node)
+            enter(node.initial, node)
         elif node.type == "parallel":
             fill(node)
 
@@ -253,16 +257,5 @@ def entry_set(
             if not any(region.index <= index <= region.last for index in entering):
                 descend(region)
 
-    targets = tuple(targets)
-    # Every target is marked before the regions around them are filled with their defaults.
-    for target in targets:
-        if target.type != "history":
-            entering[target.index] = target
-            for ancestor in target.ancestors:
-                if ancestor is domain:
-                    break
-                entering[ancestor.index] = ancestor
-    for target in targets:
-        descend(target)
-        climb(target, domain)
+    enter(targets, domain)
     return [entering[index] for index in sorted(entering)]

@@ -7,16 +7,17 @@ else (``{forward: 2 m}``, ``[x, y]``, ``{lat, lon}``) stays a map of SI numbers.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from types import MappingProxyType
+from difflib import get_close_matches
 from typing import Any
 
+from fsm.conversion import HEADING_WORDS, POINT_FORMS, convert, point_of
 from fsm.expressions import Compiled, Function, compile_expression, constant
-from fsm.functions import EvaluationError, as_text, shown
+from fsm.functions import FAILURES, bounded
 from fsm.scope import Scope
+from fsm.templates import NAME, Inserted, formatted, pieces
 from fsm.types import (
     ANY,
     AREA,
@@ -45,22 +46,10 @@ from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, Sequence, kind
 from vencejo.units import ANGLE, LENGTH, parse_number, parse_quantity, read_quantity
 
-HEADING_WORDS = ("keep", "travel")
-_LENGTH = Number(LENGTH)
-_BARE = Number()
-POINT_FORMS: tuple[Mapping[str, Type], ...] = (
-    MappingProxyType(
-        {"x": _LENGTH, "y": _LENGTH, "z": _LENGTH, "frame": Text(("mission", "world"))}
-    ),
-    MappingProxyType({"forward": _LENGTH, "left": _LENGTH, "up": _LENGTH}),
-    MappingProxyType({"lat": _BARE, "lon": _BARE, "above_home": _LENGTH}),
-)
 _POINT_HELP = (
     "write [x, y], [x, y, z], {x, y, z}, {forward, left, up}, {lat, lon, above_home}, "
     "home or a place"
 )
-_NAME = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*(?:\.[A-Za-z][A-Za-z0-9_]*)*)")
-_FORMAT = re.compile(r"[+]?(?:\d{1,2})?(?:\.\d{1,2})?[dfeg%]?")
 
 
 @dataclass(frozen=True)
@@ -87,6 +76,8 @@ def read_value(node: Node, place: Type, context: Context) -> Compiled:
             in_bounds(place, compiled.value())
         except UserError as error:
             raise UserError(error.code, error.faults[0].message, node.where) from None
+        except FAILURES as error:
+            raise UserError("no-value", f"this has no value: {error}", node.where) from None
     return compiled
 
 
@@ -183,12 +174,12 @@ def _place(node: Scalar, context: Context) -> Compiled:
 
 def _with_dollars(node: Scalar, place: Type, context: Context) -> Compiled:
     text, where = node.text, node.where.right(0 if node.plain else 1)
-    whole = _NAME.fullmatch(text)
+    whole = NAME.fullmatch(text)
     if whole:
         return _placed(compile_expression(whole[1], where.right(1), context.scope, place), place)
-    pieces = list(_pieces(text, where))
-    if len(pieces) == 1 and isinstance(pieces[0], _Inserted) and not pieces[0].format:
-        only = pieces[0]
+    parts = list(pieces(text, where))
+    if len(parts) == 1 and isinstance(parts[0], Inserted) and not parts[0].format:
+        only = parts[0]
         return _placed(compile_expression(only.source, only.where, context.scope, place), place)
     if not fits(place, TEXT) or isinstance(place, PointType | HeadingType):
         raise UserError(
@@ -197,95 +188,25 @@ def _with_dollars(node: Scalar, place: Type, context: Context) -> Compiled:
             node.where,
             "the whole value must be one expression: ${…}",
         )
-    return _template(node, pieces, context)
+    return _placed(_template(node, parts, context), place)
 
 
-@dataclass(frozen=True)
-class _Inserted:
-    source: str
-    format: str
-    where: Where
-
-
-def _pieces(text: str, where: Where) -> Iterator[str | _Inserted]:
-    """The literal and the inserted parts of a text; ``$$`` is a dollar."""
-    position = 0
-    literal = ""
-    while position < len(text):
-        if text[position] != "$":
-            literal += text[position]
-            position += 1
-            continue
-        if text.startswith("$$", position):
-            literal += "$"
-            position += 2
-            continue
-        name = _NAME.match(text, position)
-        if name:
-            inserted, end = _Inserted(name[1], "", where.right(position + 1)), name.end()
-        elif text.startswith("${", position):
-            end = _closing(text, position + 2, where.right(position))
-            source, format_ = _split_format(text[position + 2 : end])
-            inserted, end = _Inserted(source, format_, where.right(position + 2)), end + 1
+def _template(node: Scalar, parts: list[str | Inserted], context: Context) -> Compiled:
+    if all(isinstance(part, str) for part in parts):
+        return constant("".join(map(str, parts)), TEXT, node.where, node.text)
+    functions: list[Function] = []
+    for part in parts:
+        if isinstance(part, str):
+            functions.append(lambda s, e, text=part: text)  # type: ignore[misc]
         else:
-            raise UserError(
-                "lone-dollar",
-                "a `$` stands before neither a name nor `{`",
-                where.right(position),
-                "write $$ for a dollar",
-            )
-        if literal:
-            yield literal
-            literal = ""
-        yield inserted
-        position = end
-    if literal:
-        yield literal
-
-
-def _closing(text: str, start: int, where: Where) -> int:
-    depth, quote = 0, ""
-    for index in range(start, len(text)):
-        letter = text[index]
-        if quote:
-            quote = "" if letter == quote else quote
-        elif letter in "'\"":
-            quote = letter
-        elif letter in "{[(":
-            depth += 1
-        elif letter in "}])":
-            if depth == 0 and letter == "}":
-                return index
-            depth -= 1
-    raise UserError("bad-expression", "`${` is not closed by `}`", where)
-
-
-def _split_format(inside: str) -> tuple[str, str]:
-    head, colon, tail = inside.rpartition(":")
-    return (head, tail) if colon and _FORMAT.fullmatch(tail) and tail else (inside, "")
-
-
-def _template(node: Scalar, pieces: list[str | _Inserted], context: Context) -> Compiled:
-    parts: list[Function] = []
-    for piece in pieces:
-        if isinstance(piece, str):
-            parts.append(lambda s, e, text=piece: text)  # type: ignore[misc]
-            continue
-        value = compile_expression(piece.source, piece.where, context.scope)
-        parts.append(_formatted(value.function, piece.format))
-    return Compiled(TEXT, lambda s, e: "".join(part(s, e) for part in parts), node.text, node.where)
-
-
-def _formatted(function: Function, format_: str) -> Function:
-    def text(slots: list[Any], event: Mapping[str, Any] | None) -> str:
-        value = function(slots, event)
-        if not format_:
-            return as_text(value)
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise EvaluationError(f"{shown(value)} is no number to format")
-        return format(int(value) if format_.endswith("d") else value, format_)
-
-    return text
+            value = compile_expression(part.source, part.where, context.scope)
+            functions.append(formatted(value.function, part.format))
+    return Compiled(
+        TEXT,
+        lambda s, e: bounded("".join(function(s, e) for function in functions)),
+        node.text,
+        node.where,
+    )
 
 
 def _placed(compiled: Compiled, place: Type) -> Compiled:
@@ -299,6 +220,7 @@ def _placed(compiled: Compiled, place: Type) -> Compiled:
         compiled.source,
         compiled.where,
         compiled.constant,
+        compiled.reads,
     )
 
 
@@ -306,7 +228,7 @@ def _placed(compiled: Compiled, place: Type) -> Compiled:
 
 
 @contextmanager
-def _collecting(faults: list[Fault]) -> Iterator[None]:
+def collecting(faults: list[Fault]) -> Iterator[None]:
     try:
         yield
     except UserError as error:
@@ -318,7 +240,7 @@ def _read_all(nodes: list[tuple[Node, Type]], context: Context) -> list[Compiled
     faults: list[Fault] = []
     found = []
     for node, place in nodes:
-        with _collecting(faults):
+        with collecting(faults):
             found.append(read_value(node, place, context))
     if faults:
         raise UserError.of(faults)
@@ -351,8 +273,8 @@ def _read_sequence(node: Sequence, place: Type, context: Context) -> Compiled:
                     node.where,
                     _POINT_HELP,
                 )
-            items = _read_all([(item, _LENGTH) for item in node.items], context)
-            return _built(items, _point, POINT, node.where)
+            items = _read_all([(item, Number(LENGTH)) for item in node.items], context)
+            return _built(items, point_of, POINT, node.where)
         case ListOf(item=item_type):
             if place == ROUTE:
                 types: list[Type] = [
@@ -381,12 +303,6 @@ def _list_type(items: list[Compiled], otherwise: Type) -> Type:
     for item in items[1:]:
         joined = join(joined, item.type)
     return ListOf(joined)
-
-
-def _point(values: list[Any]) -> Any:
-    if len(values) == 3:
-        return Point(float(values[0]), float(values[1]), float(values[2]))
-    return {"x": float(values[0]), "y": float(values[1])}
 
 
 def _read_mapping(node: MapNode, place: Type, context: Context) -> Compiled:
@@ -435,76 +351,12 @@ def _fields_of(node: MapNode, shape: MapOf, context: Context, type_: Type) -> Co
         names.append(key.text)
         values.append((value, shape.fields[key.text] if shape.fields is not None else ANY))
     for missing in sorted(shape.required - set(names)):
+        if get_close_matches(missing, [key.text for key, _ in node]):
+            continue  # misspelt, and reported as unknown
         faults.append(Fault("missing-key", f"'{missing}' is missing", node.where))
     items: list[Compiled] = []
-    with _collecting(faults):
+    with collecting(faults):
         items = _read_all(values, context)
     if faults:
         raise UserError.of(faults)
     return _built(items, lambda found: dict(zip(names, found, strict=True)), type_, node.where)
-
-
-# -- values that come from expressions ------------------------------------------------------
-
-
-def convert(value: Any, place: Type) -> Any:
-    """A value checked for its place and put into the form literals have there.
-
-    Raises EvaluationError with a sentence when it does not fit.
-    """
-    match place:
-        case Number(dimension=dimension):
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise EvaluationError(f"{shown(value)} is not {place}")
-            try:
-                in_bounds(place, value)
-            except UserError as error:
-                raise EvaluationError(error.faults[0].message) from None
-            return value if dimension is None or place.whole else float(value)
-        case Bool():
-            if not isinstance(value, bool):
-                raise EvaluationError(f"{shown(value)} is not {place}")
-        case Text(choices=choices):
-            if not isinstance(value, str) or (choices and value not in choices):
-                raise EvaluationError(f"{shown(value)} is not {place}")
-        case PointType():
-            return _convert_point(value)
-        case HeadingType():
-            if isinstance(value, dict) and "face" in value:
-                return {"face": _convert_point(value["face"])}
-            if isinstance(value, bool) or not (
-                isinstance(value, (int, float)) or value in HEADING_WORDS
-            ):
-                raise EvaluationError(f"{shown(value)} is not a heading")
-        case ListOf(item=item_type):
-            if not isinstance(value, (list, tuple)):
-                raise EvaluationError(f"{shown(value)} is not {place}")
-            return [
-                _convert_waypoint(element) if place == ROUTE else convert(element, item_type)
-                for element in value
-            ]
-        case MapOf(fields=fields, required=required):
-            if not isinstance(value, dict):
-                raise EvaluationError(f"{shown(value)} is not {place}")
-            if fields is None:
-                return value
-            if not required <= set(value) <= set(fields):
-                raise EvaluationError(f"{shown(value)} has other fields than {', '.join(fields)}")
-            return {name: convert(element, fields[name]) for name, element in value.items()}
-    return value
-
-
-def _convert_point(value: Any) -> Any:
-    if isinstance(value, (Point, str)):
-        return value
-    if isinstance(value, (list, tuple)) and len(value) in (2, 3):
-        return _point([convert(element, _LENGTH) for element in value])
-    if isinstance(value, dict) and any(set(value) <= set(form) for form in POINT_FORMS):
-        return value
-    raise EvaluationError(f"{shown(value)} is not a point")
-
-
-def _convert_waypoint(value: Any) -> Any:
-    if isinstance(value, dict) and "at" in value:
-        return convert(value, WAYPOINT)
-    return _convert_point(value)

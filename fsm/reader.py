@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import cast, get_args
+from typing import cast
 
 from fsm.spec import (
     ActionKind,
@@ -19,52 +19,20 @@ from fsm.spec import (
     TriggerKind,
     TriggerSpec,
 )
+from fsm.words import (
+    ACTIONS,
+    FINAL_KEYS,
+    HISTORY_KEYS,
+    NOT_YET,
+    ROOT_KEYS,
+    STATE_KEYS,
+    TRANSITION_KEYS,
+)
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind, read_file, read_text
 
 LANGUAGE = 1
 MAX_STATE_DEPTH = 64
-
-ROOT_KEYS = frozenset(
-    [
-        "mission",
-        "description",
-        "world",
-        "language",
-        "uses",
-        "places",
-        "parameters",
-        "events",
-        "priority",
-    ]
-)
-STATE_KEYS = frozenset(
-    [
-        "states",
-        "initial",
-        "type",
-        "data",
-        "define",
-        "entry",
-        "exit",
-        "throughout",
-        "do",
-        "with",
-        "live",
-        "as",
-        "on",
-        "when",
-        "after",
-        "always",
-        "description",
-    ]
-)
-FINAL_KEYS = frozenset({"type", "outcome", "output", "entry", "description"})
-HISTORY_KEYS = frozenset({"type", "deep", "target", "description"})
-NOT_YET = frozenset({"include", "graphs", "filters", "breakpoint", "fleet", "vehicles", "until"})
-"""Words of the language that this version does not fly yet."""
-TRANSITION_KEYS = frozenset({"target", "guard", "actions", "for", "reenter", "name", "description"})
-ACTIONS = frozenset(get_args(ActionKind))
 
 _STATE_NAME = re.compile(r"[a-z][a-z0-9_]*")
 _MISSION_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -104,12 +72,7 @@ class _Reader:
     def mission(self, node: Mapping, file: str, stem: str) -> MissionSpec:
         known = ROOT_KEYS | STATE_KEYS
         self.keys(node, known, "a mission")
-        name = self.text(node, "mission") or stem
-        if not _MISSION_NAME.fullmatch(name):
-            where = self.where(node, "mission")
-            self.fail(
-                "bad-name", f"'{name}' is no name for a mission", where, "letters, digits, - and _"
-            )
+        name = self.named_scalar(node, "mission", _MISSION_NAME, "letters, digits, - and _")
         language = node.get("language")
         if isinstance(language, Scalar) and language.text != str(LANGUAGE):
             self.fail(
@@ -117,7 +80,7 @@ class _Reader:
                 f"this version reads language {LANGUAGE}, not {language.text}",
                 language.where,
             )
-        if node.get("states") is None and node.get("do") is None:
+        if node.get("states") is None and not any(node.get(key) for key in NOT_YET):
             self.fail(
                 "no-states",
                 "a mission needs `states`",
@@ -126,7 +89,7 @@ class _Reader:
             )
         priority = self.choice(node, "priority", ("inner", "outer")) or "inner"
         return MissionSpec(
-            name=name,
+            name=name.text if name else stem,
             file=file,
             root=self.state("", node, node.where, 0),
             description=self.text(node, "description"),
@@ -145,7 +108,8 @@ class _Reader:
         root = depth == 0
         if depth > MAX_STATE_DEPTH:
             raise UserError("too-deep", f"states nest at most {MAX_STATE_DEPTH} deep", where)
-        declared = self.choice(node, "type", ("parallel", "final", "history"))
+        types = ("parallel",) if root else ("parallel", "final", "history")
+        declared = self.choice(node, "type", types)
         type_ = cast(StateType, declared or ("compound" if node.get("states") else "atomic"))
         allowed = {"final": FINAL_KEYS, "history": HISTORY_KEYS}.get(type_, STATE_KEYS)
         if not root:
@@ -153,10 +117,9 @@ class _Reader:
         states = self.states(node, depth)
         if type_ == "parallel" and not states:
             self.fail("no-states", "a parallel state needs `states`", where)
-        if node.get("with") and not node.get("do"):
-            self.fail("no-behaviour", "`with` needs a `do`", self.where(node, "with"))
-        if node.get("live") and not node.get("do"):
-            self.fail("no-behaviour", "`live` needs a `do`", self.where(node, "live"))
+        for key in ("with", "live", "as"):
+            if node.get(key) and not node.get("do") and not node.get("include"):
+                self.fail("no-behaviour", f"`{key}` needs a `do`", self.where(node, key))
         return StateSpec(
             name=name,
             where=where,
@@ -171,7 +134,7 @@ class _Reader:
             do=self.scalar(node, "do"),
             with_=self.named(node, "with", _NAME),
             live=self.named(node, "live", _NAME),
-            as_=self.scalar(node, "as"),
+            as_=self.named_scalar(node, "as", _NAME, "letters, digits and _"),
             triggers=self.triggers(node),
             states=states,
             outcome=self.outcome(node),
@@ -199,9 +162,7 @@ class _Reader:
         return tuple(children)
 
     def outcome(self, node: Mapping) -> str:
-        scalar = self.scalar(node, "outcome")
-        if scalar and not _STATE_NAME.fullmatch(scalar.text):
-            self.fail("bad-name", f"'{scalar.text}' is no outcome", scalar.where, "one small word")
+        scalar = self.named_scalar(node, "outcome", _STATE_NAME, "an outcome is one small word")
         return scalar.text if scalar else "done"
 
     def defines(self, node: Mapping) -> tuple[DefineSpec, ...]:
@@ -245,6 +206,7 @@ class _Reader:
                         "an outcome is one word; an event has a dot"
                         + (": is a blank missing after the colon?" if ":" in key.text else ""),
                     )
+                    continue
                 found.append(self.trigger(trigger, key, value))
         always = node.get("always")
         if always is not None:
@@ -349,6 +311,15 @@ class _Reader:
         value = self._expect(node, key, "a text", lambda v: isinstance(v, Scalar) and not v.null)
         return value if isinstance(value, Scalar) else None
 
+    def named_scalar(
+        self, node: Mapping, key: str, pattern: re.Pattern[str], hint: str
+    ) -> Scalar | None:
+        scalar = self.scalar(node, key)
+        if scalar and not pattern.fullmatch(scalar.text):
+            self.fail("bad-name", f"'{scalar.text}' is not a name", scalar.where, hint)
+            return None
+        return scalar
+
     def text(self, node: Mapping, key: str) -> str:
         scalar = self.scalar(node, key)
         return scalar.text if scalar else ""
@@ -389,7 +360,10 @@ class _Reader:
         for name, value in self.map(node, key):
             if not pattern.fullmatch(name.text):
                 what = "an event (it needs a dot)" if pattern is _EVENT else "a name"
-                self.fail("bad-name", f"'{name.text}' is not {what}", name.where)
+                hint = None
+                if isinstance(value, Scalar) and value.null:
+                    hint = "a text with a comma inside `{ }` needs quotes; decimals have a point"
+                self.fail("bad-name", f"'{name.text}' is not {what}", name.where, hint)
                 continue
             found.append(Named(name, value))
         return tuple(found)

@@ -6,20 +6,29 @@ expression compiles to a function of those slots and of the event at hand.
 
 from __future__ import annotations
 
+import keyword
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from fsm.types import Number, Type
+from fsm.functions import FUNCTIONS
+from fsm.types import ANY, Number, Type
 from vencejo.errors import UserError, Where
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
+RESERVED = frozenset([*keyword.kwlist, "true", "false", "null", "none", "event", "time_in_state"])
+"""Words with a meaning of their own in expressions."""
 TIME_SLOT = 0
 CONFIGURATION_SLOT = 1
 FIRST_HOST_SLOT = 2
 
 Kind = Literal["host", "parameter", "data", "published", "define", "entered", "event"]
+
+
+def start(scalar: Scalar) -> Where:
+    """Where the text itself begins, past its quote."""
+    return scalar.where.right(0 if scalar.plain else 1)
 
 
 @dataclass(frozen=True)
@@ -79,8 +88,21 @@ class Scope:
             scope = scope.parent
 
     def declare(self, thing: Binding | Define, where: Where | None) -> None:
-        """Make a name known here. Raises UserError when it is visible already."""
+        """Make a name known here. Raises UserError when it is visible already, or not free."""
         known = self.find(thing.name)
+        reserved = thing.name in RESERVED or (
+            isinstance(thing, Define) and (thing.name in FUNCTIONS or thing.name == "active")
+        )
+        if known is not None or reserved:
+            # From here on it may be either: no second fault for the same mistake.
+            self.names[thing.name] = Binding(thing.name, "data", ANY)
+        if reserved:
+            raise UserError(
+                "name-taken",
+                f"'{thing.name}' is a word of the language",
+                where,
+                "choose another name",
+            )
         if known is not None:
             first = known.where if isinstance(known, Binding) else known.body.where
             at = f", first at {first}" if first else ""

@@ -16,6 +16,8 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point
 from vencejo.units import ANGLE, LENGTH, SPEED, TIME, Dimension, format_quantity
 
+MAX_NUMBER = 1e300
+
 
 @dataclass(frozen=True)
 class Type:
@@ -177,6 +179,27 @@ def join(a: Type, b: Type) -> Type:
     return ANY
 
 
+def product(a: Number, b: Number, sign: int) -> Number:
+    """Any product with a bare number is bare, and angles count as bare there."""
+    bare = (None, ANGLE)
+    if a.dimension is None or b.dimension is None:
+        return BARE
+    if sign > 0 and (a.dimension in bare or b.dimension in bare):
+        return BARE
+    if sign < 0 and b.dimension == ANGLE and a.dimension != ANGLE:
+        return BARE
+    return Number(a.dimension.times(b.dimension, sign))
+
+
+def raised(base: Number, squared: bool) -> Number:
+    """The type of a power; only squares keep a dimension."""
+    if base.dimension is None:
+        return BARE
+    if squared:
+        return Number(base.dimension.times(base.dimension))
+    return BARE
+
+
 def type_of(value: Any) -> Type:
     """The type of a value that is there already."""
     match value:
@@ -202,7 +225,11 @@ def type_of(value: Any) -> Type:
 
 def in_bounds(type_: Type, value: Any) -> None:
     """Raise UserError (``out-of-range``) when a number lies outside its type's bounds."""
-    if not isinstance(type_, Number) or not isinstance(value, (int, float)):
+    if not isinstance(type_, (Number, AnyType)) or not isinstance(value, (int, float)):
+        return
+    if not abs(value) < MAX_NUMBER:
+        raise UserError("out-of-range", "this number is too large")
+    if isinstance(type_, AnyType):
         return
     if not type_.min <= value <= type_.max:
         low, high = (format_quantity(bound, type_.dimension) for bound in (type_.min, type_.max))

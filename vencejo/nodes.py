@@ -100,7 +100,12 @@ def read_file(path: Path, shown_as: str | None = None) -> Mapping:
 
 def read_text(text: str, file: str) -> Mapping:
     """The map a YAML text consists of. Raises UserError (see :func:`read_file`)."""
-    if len(text.encode()) > MAX_BYTES:
+    try:
+        size = len(text.encode())
+    except UnicodeEncodeError as error:
+        message = f"the text holds what is no letter (position {error.start})"
+        raise UserError("not-text", message, Where(file)) from None
+    if size > MAX_BYTES:
         raise UserError("too-large", "the text is larger than 1 MiB", Where(file))
     root = _Builder(file, text).build()
     if root is None:

@@ -116,7 +116,7 @@ def _derived() -> dict[str, tuple[float, Dimension]]:
 UNITS: dict[str, tuple[float, Dimension]] = _derived()
 """Every unit by its name: its size in SI and its dimension."""
 
-NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _NUMBER = re.compile(NUMBER)
 _QUANTITY = re.compile(rf"({NUMBER})\s*(%|[A-Za-z][A-Za-z0-9/^]*)")
 _UNIT_WORD = re.compile(r"[a-zA-Z%°µ]")
@@ -126,7 +126,8 @@ def parse_number(text: str) -> int | float | None:
     """A bare decimal number (``4``, ``-0.5``, ``1e-3``), or None when the text is none."""
     if not _NUMBER.fullmatch(text):
         return None
-    return float(text) if any(mark in text for mark in ".eE") else int(text)
+    # Python refuses to read an integer of thousands of digits.
+    return float(text) if any(mark in text for mark in ".eE") or len(text) > 300 else int(text)
 
 
 def parse_quantity(text: str) -> tuple[float, Dimension] | None:

@@ -1,0 +1,107 @@
+"""`first_flight`: how fast it is flown on one core, and whether equal runs are equal bytes.
+
+    python -m bench.first_flight [--json]
+
+The realtime factor is mission time by wall time from the first step to the last byte of events and
+telemetry: recording on, live view off, the picture apart.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from hashlib import sha256
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+
+from rich.console import Console
+
+from bench.machine import machine
+from cli import missions
+from cli.flight import Plan, Watcher, fly
+from cli.pace import Pace
+from cli.prepare import prepare
+from cli.recorder import Recorder
+from cli.view import LiveView
+from fsm import parse_parameters
+
+GOAL = 150.0
+RUNS = 9
+
+
+def plan() -> Plan:
+    prepared = prepare(missions.find("first_flight"))
+    return Plan(prepared, parse_parameters(prepared.graph, {}), settings={"noise": 1.0})
+
+
+def realtime_factors() -> list[float]:
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    ordered = plan()
+    factors = []
+    for _ in range(RUNS):
+        with TemporaryDirectory() as folder:
+            flown = fly(ordered, lambda folder=folder: Recorder(Path(folder)))  # type: ignore[misc]
+            factors.append(flown.mission_time / flown.wall_time)
+    return factors
+
+
+def digest(factor: float | None, watched: bool) -> str:
+    """SHA-256 of the log of a run in this process, with command noise."""
+    ordered = plan()
+    with TemporaryDirectory() as folder:
+        watchers: Sequence[Watcher] = ()
+        if watched:
+            console = Console(file=io.StringIO(), force_terminal=True, width=90)
+            watchers = [LiveView(ordered.prepared.graph, console, factor)]
+        fly(ordered, lambda: Recorder(Path(folder)), watchers, Pace(factor))
+        return sha256((Path(folder) / "events.jsonl").read_bytes()).hexdigest()
+
+
+def digest_elsewhere() -> str:
+    """The same from another folder, in a process of its own, by the command line."""
+    with TemporaryDirectory() as folder:
+        command = [sys.executable, "-c", "from cli.main import main; main()"]
+        options = ["run", "first_flight", "--noise", "1", "--json"]
+        subprocess.run([*command, *options], cwd=folder, check=True, capture_output=True)
+        (log,) = Path(folder).glob("runs/*/events.jsonl")
+        return sha256(log.read_bytes()).hexdigest()
+
+
+def main() -> None:
+    digests = {
+        "max, unwatched": digest(None, watched=False),
+        "max, live view": digest(None, watched=True),
+        "speed 5, unwatched": digest(5.0, watched=False),
+        "speed 5, live view": digest(5.0, watched=True),
+        "max, another folder and process": digest_elsewhere(),
+    }
+    factors = realtime_factors()
+    results = {
+        "machine": machine(),
+        "seed": 0,
+        "command_noise": 1.0,
+        "realtime_factor": {"median": median(factors), "min": min(factors), "max": max(factors)},
+        "goal": GOAL,
+        "identical": len(set(digests.values())) == 1,
+        "digests": digests,
+    }
+    if "--json" in sys.argv[1:]:
+        print(json.dumps(results, indent=2))
+        return
+    print(f"first_flight, seed 0, command noise 1, one core; {machine()}")
+    print(
+        f"  realtime factor   median {median(factors):.0f}, {min(factors):.0f} … {max(factors):.0f}"
+    )
+    print(f"                    of {RUNS} runs; goal ≥ {GOAL:.0f}")
+    for name, value in digests.items():
+        print(f"  events.jsonl      {value[:16]}  {name}")
+    print(f"  identical         {'yes' if results['identical'] else 'NO'}")
+
+
+if __name__ == "__main__":
+    main()

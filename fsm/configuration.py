@@ -1,0 +1,324 @@
+"""The configuration of a running graph, and the microsteps that change it.
+
+Everything that lies between one stable configuration and the next: leaving states and entering
+them with their actions, data, conditions, timers and history, and evaluating expressions over the
+instance's slots. When which step is taken is decided in :mod:`fsm.machine`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from transitions.core import EventData
+
+from fsm.expressions import Compiled
+from fsm.functions import FAILURES
+from fsm.graph import Action, After, Edge, Graph, Node, default_entry, entry_set
+from fsm.history import Memory, Progress, remember
+from fsm.scope import CONFIGURATION_SLOT, TIME_SLOT
+from fsm.selection import exit_set
+from fsm.vocabulary import Activity
+from fsm.waiting import Armed, Timer
+
+Record = tuple[str, dict[str, Any]]
+
+
+class Event(NamedTuple):
+    """An event, or an outcome when it has an owner."""
+
+    name: str
+    fields: dict[str, Any]
+    owner: Node | None = None
+    entry: int = 0
+    """Which entry of its owner it belongs to: it is dropped once that one was left."""
+
+
+NOTHING = Event("", {})
+"""What condition and timer transitions see as their event."""
+
+
+@dataclass(slots=True)
+class Running:
+    """The behaviour of an active state; no activity when it could not be started."""
+
+    activity: Activity | None
+    ended: bool = False
+
+
+class Configuration:
+    """Which states of a graph are active, and everything that hangs on that."""
+
+    def __init__(self, graph: Graph, parameters: Mapping[str, Any] | None = None) -> None:
+        self.graph = graph
+        self.slots: list[Any] = [None] * graph.slots
+        for name, slot in graph.parameter_slots.items():
+            given = (parameters or {}).get(name, graph.parameters[name].default)
+            self.slots[slot] = given
+        self.slots[TIME_SLOT] = 0.0
+        self.slots[CONFIGURATION_SLOT] = 0
+        self.active: list[Node] = []
+        """All active states in document order."""
+        self.outcome: str | None = None
+        self.output: dict[str, Any] = {}
+        self.records: list[Record] = []
+        """What happened since somebody last took the list away."""
+        self.period_number = 0
+        self._leaves: list[Node] = []
+        self._entered_in: dict[int, int] = {}
+        self._internal: deque[Event] = deque()
+        self._running: dict[int, Running] = {}
+        self._conditions: dict[int, list[Armed]] = {}
+        self._timers: dict[int, list[Timer]] = {}
+        self._finished: set[int] = set()
+        self._entries: dict[int, int] = {}
+        """The number of each state's latest entry."""
+        self._entry_count = 0
+        self._memories: dict[int, Memory] = {}
+        self._restoring: list[Memory] = []
+        """The memories that the microstep at work gives back."""
+        self._resumed: dict[int, Progress] = {}
+        self._broken: set[int] = set()
+        """Expressions and actions that failed and have not worked since."""
+        self._has_history = any(node.type == "history" for node in graph.nodes)
+
+    @property
+    def now(self) -> float:
+        time: float = self.slots[TIME_SLOT]
+        return time
+
+    @property
+    def ended(self) -> bool:
+        return self.outcome is not None
+
+    def paths(self) -> list[str]:
+        """The active leaf states, in document order."""
+        return [leaf.path for leaf in self._leaves]
+
+    def is_active(self, path: str) -> bool:
+        """Whether a state is active. Raises KeyError for a path that does not exist."""
+        return self._is_active(self.graph.by_path[path])
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("is_"):
+            named = [node for node in self.graph.nodes if node.local_name == name[3:]]
+            if len(named) == 1:
+                return lambda: self._is_active(named[0])
+        raise AttributeError(name)
+
+    def record(self, what: str, **fields: Any) -> None:
+        self.records.append((what, fields))
+
+    def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
+        """Queue an event for this macrostep."""
+        self._internal.append(Event(name, dict(fields)))
+
+    def _first_passing(self, edges: Iterable[Edge], event: Event) -> Edge | None:
+        return next((edge for edge in edges if self._passes(edge, event)), None)
+
+    def _passes(self, edge: Edge, event: Event) -> bool:
+        if edge.prepare:
+            self.graph.callbacks(edge.prepare, self._event_data(edge, event))
+        guard = edge.guard
+        if guard is not None and self.evaluate(guard, event.fields, False) is not True:
+            return False
+        if len(edge.conditions) > (guard is not None):
+            data = self._event_data(edge, event)
+            return all(condition.check(data) for condition in edge.conditions)
+        return True
+
+    # -- microsteps -------------------------------------------------------------------------
+
+    def _microstep(self, edges: Sequence[Edge], event: Event) -> None:
+        leaving = exit_set(self.active, edges)
+        memories: dict[int, Memory] = {}
+        if self._has_history:
+            memories = remember(leaving, self.active, self._progress)
+            self._memories.update(memories)
+        entering = self._entry_set(edges)
+        for edge in edges:
+            if edge.before:
+                self.graph.callbacks(edge.before, self._event_data(edge, event))
+        for node in reversed(leaving):
+            self._exit(node, event)
+        for edge in edges:
+            step: dict[str, Any] = {"from": edge.node.path, "to": [t.path for t in edge.targets]}
+            if edge.label:
+                step["name"] = edge.label
+            self.record(
+                "transition", by=f"{edge.kind} {edge.trigger}".removesuffix(" always"), **step
+            )
+            self._run(edge.actions, event)
+        # Last, since exit actions and the transition's own may still have changed them.
+        for memory in memories.values():
+            memory.keep_data(self.slots)
+        left = {node.index for node in leaving}
+        remaining = [node for node in self.active if node.index not in left]
+        self._settle(sorted([*remaining, *entering], key=lambda node: node.index))
+        for node in entering:
+            self._enter(node, event)
+        self._restoring.clear()
+        for edge in edges:
+            if edge.after:
+                self.graph.callbacks(edge.after, self._event_data(edge, event))
+
+    def _entry_set(self, edges: Sequence[Edge]) -> list[Node]:
+        entering: dict[int, Node] = {}
+        for edge in edges:
+            if edge.domain is None:
+                continue
+            entered = edge.entered
+            if entered is None:
+                entered = tuple(entry_set(edge.domain, edge.targets, self._recorded))
+            entering.update((node.index, node) for node in entered)
+        return [entering[index] for index in sorted(entering)]
+
+    def _settle(self, active: Sequence[Node]) -> None:
+        self.active = list(active)
+        self._leaves = [node for node in self.active if not node.children]
+        mask = 0
+        for node in self.active:
+            mask |= 1 << node.index
+        self.slots[CONFIGURATION_SLOT] = mask
+
+    def _enter(self, node: Node, event: Event) -> None:
+        index, slots = node.index, self.slots
+        slots[node.entered_slot] = self.now
+        self._entered_in[index] = self.period_number
+        self._entry_count += 1
+        self._entries[index] = self._entry_count
+        memory = next((memory for memory in self._restoring if node in memory.kept), None)
+        for data in node.data:
+            slots[data.slot] = (
+                memory.data[data.slot]
+                if memory
+                else self.evaluate(data.initial, event.fields, None)
+            )
+        if memory and index in memory.progress:
+            self._resumed[index] = memory.progress[index]
+        if node.invocation and node.invocation.slot >= 0:
+            slots[node.invocation.slot] = node.invocation.behavior.blank
+        self.record("enter", state=node.path)
+        if node.on_enter:
+            self.graph.callbacks(node.on_enter, self._event_data(None, event))
+        self._run(node.entry, event)
+        if node.whens:
+            self._conditions[index] = [Armed(when) for when in node.whens]
+        if node.afters:
+            self._timers[index] = [self._timer(after, event) for after in node.afters]
+        if node.type == "final":
+            self._reached(node, event)
+
+    def _timer(self, after: After, event: Event) -> Timer:
+        duration = self.evaluate(after.duration, event.fields, None)
+        due = self.now + duration if isinstance(duration, (int, float)) else None
+        return Timer(after, due)
+
+    def _reached(self, final: Node, event: Event) -> None:
+        """A final state was entered: its parent has an outcome."""
+        output = {
+            name: self.evaluate(value, event.fields, None) for name, value in final.output.items()
+        }
+        parent = final.parent
+        assert parent is not None
+        if parent.parent is None:
+            self.outcome, self.output = final.outcome, output
+            return
+        self._internal.append(self._outcome(parent, final.outcome, output))
+        self._region_finished(parent, self._internal)
+
+    def _outcome(self, owner: Node, word: str, fields: Mapping[str, Any]) -> Event:
+        return Event(word, dict(fields), owner, self._entries[owner.index])
+
+    def _region_finished(self, region: Node, queue: deque[Event]) -> None:
+        parallel = region.parent
+        if parallel is not None and parallel.type == "parallel" and self._is_finished(parallel):
+            queue.append(self._outcome(parallel, "done", {}))
+            self._region_finished(parallel, queue)
+
+    def _is_finished(self, node: Node) -> bool:
+        if node.type == "parallel":
+            return all(self._is_finished(region) for region in default_entry(node))
+        if node.children:
+            return any(c.type == "final" and self._is_active(c) for c in node.children)
+        return node.index in self._finished
+
+    def _exit(self, node: Node, event: Event) -> None:
+        index = node.index
+        self._run(node.exit_actions, event)
+        if node.on_exit:
+            self.graph.callbacks(node.on_exit, self._event_data(None, event))
+        running = self._running.pop(index, None)
+        if running is not None and running.activity is not None:
+            if not running.ended:
+                self.record("stop", state=node.path)
+            running.activity.stop()
+        self._conditions.pop(index, None)
+        self._timers.pop(index, None)
+        self._resumed.pop(index, None)
+        self._finished.discard(index)
+        self.record("exit", state=node.path)
+
+    # -- history ----------------------------------------------------------------------------
+
+    def _progress(self, node: Node) -> Progress | None:
+        running = self._running.get(node.index)
+        if running is None:
+            # Not even started: what it was to go on from still holds.
+            return self._resumed.get(node.index)
+        return running.activity.progress() if running.activity and not running.ended else None
+
+    def _recorded(self, history: Node) -> tuple[Node, ...]:
+        memory = self._memories.get(history.index)
+        if memory is None:
+            return history.initial
+        self._restoring.append(memory)
+        return memory.states
+
+    # -- evaluation -------------------------------------------------------------------------
+
+    def evaluate(self, compiled: Compiled, event: dict[str, Any], otherwise: Any) -> Any:
+        """The value of an expression; when it has none, ``otherwise`` and ``error.execution``."""
+        try:
+            value = compiled.function(self.slots, event)
+        except FAILURES as error:
+            self._failed(compiled, f"{compiled.source}: {error}")
+            return otherwise
+        if self._broken:
+            self._broken.discard(id(compiled))
+        return value
+
+    def _run(self, actions: Sequence[Action], event: Event) -> None:
+        """Run a block; when one of its actions fails, the rest is skipped."""
+        for action in actions:
+            try:
+                action.run(self, event.fields)
+            except FAILURES as error:
+                self._failed(action, f"{action.kind}: {error}")
+                return
+            if self._broken:
+                self._broken.discard(id(action))
+
+    def _failed(self, what: Compiled | Action, message: str) -> None:
+        """Raised once, until what failed works again."""
+        if id(what) in self._broken:
+            return
+        self._broken.add(id(what))
+        fields = {"message": message, "where": str(what.where)}
+        self.record("error", **fields)
+        self._internal.append(Event("error.execution", fields))
+
+    def _is_active(self, node: Node) -> bool:
+        configuration: int = self.slots[CONFIGURATION_SLOT]
+        return bool(configuration >> node.index & 1)
+
+    def _event_data(self, edge: Edge | None, event: Event) -> EventData:
+        # `transitions` asks for its own machine and event here; ours offer what callbacks use.
+        machine: Any = self.graph
+        name: Any = event.name
+        state = self._leaves[0] if self._leaves else None
+        data = EventData(state, name, machine, self, [], event.fields)
+        data.transition = edge
+        return data

@@ -1,0 +1,129 @@
+"""The text of an expression: its limits, its units, and its syntax tree with places."""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from dataclasses import dataclass
+
+from vencejo.errors import UserError, Where, nearest
+from vencejo.units import UNITS, Dimension, in_unit
+
+MAX_CHARACTERS = 1000
+MAX_NODES = 200
+
+_UNIT_NAMES = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
+_QUANTITY = re.compile(
+    rf"(?<![\w.])((?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ ]*({_UNIT_NAMES})(?![\w^])"
+)
+_STRING = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
+_PLACEHOLDER = 0x20000
+"""First of a run of letters (CJK extension B) that stand for quantities while Python parses."""
+
+_LINE_ENDS = str.maketrans("\n\r\f\v", "    ")
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """An expression's tree, with the quantities that stand in it as names."""
+
+    tree: ast.expr
+    quantities: dict[str, tuple[float, Dimension]]
+    parts: int
+    source: str
+    where: Where
+
+    def place(self, node: ast.AST) -> Where:
+        """Where a part of it stands in the file."""
+        offset = getattr(node, "col_offset", 1)
+        column = len(self.source.encode()[:offset].decode(errors="ignore")) - 1
+        return self.where.right(max(0, column))
+
+
+def parse(text: str, where: Where) -> Parsed:
+    """The tree of an expression. Raises UserError for what is none, or is too large."""
+    if len(text) > MAX_CHARACTERS:
+        raise UserError(
+            "expression-too-long",
+            f"an expression has at most {MAX_CHARACTERS} characters",
+            where,
+            "give parts of it names in `define`",
+        )
+    if not text.strip():
+        raise UserError("empty-expression", "an expression is missing here", where)
+    for column, letter in enumerate(text):
+        if ord(letter) >= _PLACEHOLDER or letter == "\0" or "\ud800" <= letter <= "\udfff":
+            raise UserError(
+                "bad-expression", "this letter is not allowed here", where.right(column)
+            )
+    masked, quantities = _mask_quantities(text)
+    # One line, in parentheses, so that Python neither minds line ends nor leading blanks.
+    source = f"({masked})".translate(_LINE_ENDS)
+    try:
+        with warnings.catch_warnings():
+            # Python's own advice (`5in x`) is not for people who write missions.
+            warnings.simplefilter("ignore")
+            tree = ast.parse(source, mode="eval").body
+    except SyntaxError as error:
+        column = max(0, min((error.offset or 2) - 2, len(text)))
+        raise UserError(
+            "bad-expression",
+            f"'{text}' is no expression: {_plain(error)}",
+            where.right(column),
+            _hint(text),
+        ) from None
+    except (RecursionError, MemoryError, ValueError):
+        raise too_deep(where) from None
+    parts = sum(isinstance(node, (ast.expr, ast.comprehension)) for node in ast.walk(tree))
+    if parts > MAX_NODES:
+        raise UserError(
+            "expression-too-long",
+            f"an expression has at most {MAX_NODES} parts; this one has {parts}",
+            where,
+            "give parts of it names in `define`",
+        )
+    return Parsed(tree, quantities, parts, source, where)
+
+
+def too_deep(where: Where) -> UserError:
+    return UserError("bad-expression", "this expression is nested too deeply", where)
+
+
+def _mask_quantities(text: str) -> tuple[str, dict[str, tuple[float, Dimension]]]:
+    """The text with each quantity replaced by a name of equal length, and what they stand for."""
+    found: dict[str, tuple[float, Dimension]] = {}
+
+    def mask(match: re.Match[str]) -> str:
+        name = chr(_PLACEHOLDER + len(found))
+        found[name] = (in_unit(float(match[1]), match[2]), UNITS[match[2]][1])
+        return name.ljust(len(match[0]))
+
+    pieces, end = [], 0
+    for string in _STRING.finditer(text):
+        pieces += [_QUANTITY.sub(mask, text[end : string.start()]), string[0]]
+        end = string.end()
+    pieces.append(_QUANTITY.sub(mask, text[end:]))
+    return "".join(pieces), found
+
+
+def _hint(text: str) -> str | None:
+    """The cure for what people from other languages write."""
+    unit = re.search(r"(?<![\w.])\d[\d.]*[ ]*([A-Za-z][\w/]*)", text)
+    if unit and unit[1] not in UNITS and unit[1] not in ("and", "or", "if", "else", "in", "not"):
+        return nearest(unit[1], UNITS, otherwise=f"'{unit[1]}' is no unit")
+    if "&&" in text or "||" in text or "!" in text.replace("!=", ""):
+        return "write `and`, `or`, `not`"
+    if re.search(r"(?<![=<>!:])=(?!=)", text):
+        return "write `==` to compare"
+    if re.search(r"\d\s*%\s*[\w(]", text):
+        return "after a number `%` is per cent; the remainder is mod(a, b)"
+    if "$" in text:
+        return "names inside an expression are written without `$`"
+    return None
+
+
+def _plain(error: SyntaxError) -> str:
+    """Python's complaint without what only a programmer understands."""
+    message = error.msg.split(". ")[0]
+    return {"invalid syntax": "it cannot be read from here on"}.get(message, message)

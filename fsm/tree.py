@@ -1,0 +1,161 @@
+"""The tree of states, and how targets find their way in it."""
+
+from __future__ import annotations
+
+from fsm.faults import Faults
+from fsm.graph import Node, entry_set
+from fsm.spec import StateSpec
+from vencejo.errors import UserError, nearest
+from vencejo.nodes import Scalar
+
+
+class Tree:
+    """The nodes of a mission in document order, each with its spec and a first slot."""
+
+    def __init__(self, root: StateSpec, first_slot: int, faults: Faults) -> None:
+        self.faults = faults
+        self.nodes: list[Node] = []
+        self.specs: dict[int, StateSpec] = {}
+        self.first_slot = first_slot
+        self.root = self.grow(root, None, "")
+        self.link()
+
+    def grow(self, spec: StateSpec, parent: Node | None, path: str) -> Node:
+        node = Node(spec.name, path, spec.type, len(self.nodes), spec.where)
+        node.parent = parent
+        node.ancestors = (parent, *parent.ancestors) if parent else ()
+        node.description = spec.description
+        node.deep = spec.deep
+        node.outcome = spec.outcome
+        node.entered_slot = self.first_slot + node.index
+        self.nodes.append(node)
+        self.specs[node.index] = spec
+        node.children = tuple(
+            self.grow(child, node, f"{path}.{child.name}" if path else child.name)
+            for child in spec.states
+        )
+        node.last = len(self.nodes) - 1
+        return node
+
+    def link(self) -> None:
+        """Initial states and where history goes the first time."""
+        for node in self.nodes:
+            spec = self.specs[node.index]
+            if node.type == "compound":
+                node.initial = self.initial(node, spec)
+            elif spec.initial:
+                self.faults.fail(
+                    "misplaced-initial",
+                    "only a state with `states` has an initial one",
+                    spec.initial.where,
+                )
+            if node.type == "history":
+                with self.faults.collecting():
+                    self.link_history(node, spec)
+
+    def initial(self, node: Node, spec: StateSpec) -> tuple[Node, ...]:
+        first = next((child for child in node.children if child.type != "history"), None)
+        if first is None:
+            self.faults.fail("no-states", "only history states are in here", node.where)
+            return ()
+        if spec.initial is None:
+            return (first,)
+        found = self.inside(node, spec.initial.text)
+        if found is None:
+            names = [child.local_name for child in node.children]
+            hint = nearest(spec.initial.text, names)
+            self.faults.fail(
+                "unknown-target",
+                f"there is no state '{spec.initial.text}' in here",
+                spec.initial.where,
+                hint,
+            )
+            return (first,)
+        return (found,)
+
+    def link_history(self, node: Node, spec: StateSpec) -> None:
+        parent = node.parent
+        assert parent is not None
+        if spec.target is None:
+            raise UserError(
+                "missing-key", "a history state needs a `target` for the first time", node.where
+            )
+        found = self.inside(parent, spec.target.text)
+        if found is None or found.type == "history":
+            names = [child.local_name for child in parent.children if child.type != "history"]
+            hint = nearest(spec.target.text, names)
+            raise UserError(
+                "unknown-target",
+                f"there is no state '{spec.target.text}' here",
+                spec.target.where,
+                hint,
+            )
+        node.initial = (found,)
+
+    def inside(self, node: Node, path: str) -> Node | None:
+        found: Node | None = node
+        for name in path.split("."):
+            found = (
+                next((c for c in found.children if c.local_name == name), None) if found else None
+            )
+        return found
+
+    def target(self, source: Node, scalar: Scalar) -> Node:
+        """The state of a name: among the children, then the siblings, then outwards."""
+        first, _, rest = scalar.text.partition(".")
+        place: Node | None = source
+        while place is not None:
+            found = next((child for child in place.children if child.local_name == first), None)
+            if found is not None:
+                self.warn_hidden(found, place, scalar)
+                target = self.inside(found, rest) if rest else found
+                if target is None:
+                    raise UserError(
+                        "unknown-target",
+                        f"there is no state '{rest}' in '{found.path}'",
+                        scalar.where,
+                        nearest(rest, [child.local_name for child in found.children]),
+                    )
+                return target
+            place = place.parent
+        visible = {
+            child.local_name for node in (source, *source.ancestors) for child in node.children
+        }
+        raise UserError(
+            "unknown-target",
+            f"there is no state '{scalar.text}' to go to",
+            scalar.where,
+            nearest(scalar.text, visible),
+        )
+
+    def warn_hidden(self, found: Node, place: Node, scalar: Scalar) -> None:
+        """A state further out has the same name as the one that a target means."""
+        for outer in place.ancestors:
+            for other in outer.children:
+                if other.local_name == found.local_name and other is not found:
+                    self.faults.warn(
+                        "hidden-state",
+                        f"'{found.local_name}' means '{found.path}' here, not '{other.path}'",
+                        scalar.where,
+                        "give one of the two another name",
+                    )
+
+
+def domain_of(source: Node, targets: tuple[Node, ...], reenter: bool) -> Node:
+    """The state whose inside a transition leaves: SCXML's LCCA, or the source it stays within."""
+    within = all(source.contains(target) for target in targets)
+    if within and source.parent is None:
+        return source
+    if within and not reenter and source.type == "compound":
+        return source
+    for ancestor in source.ancestors:
+        if ancestor.type == "compound" and all(ancestor.contains(target) for target in targets):
+            return ancestor
+    return source.ancestors[-1]
+
+
+def through_history(domain: Node, targets: tuple[Node, ...]) -> bool:
+    """Whether history decides what is entered: then the entry set is found in flight."""
+    found = entry_set(domain, targets, lambda history: ())
+    touched = {*targets, *(initial for node in found for initial in node.initial)}
+    return any(node.type == "history" for node in touched)

@@ -1,0 +1,1 @@
+"""Tests of the behaviours, on a vehicle without physics."""

@@ -1,0 +1,138 @@
+"""Helpers: one behaviour at work, and whole missions, on a vehicle without physics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from random import Random
+from typing import Any
+
+from behaviors import Catalog, Flight, MissionFrame, Pilot, drone_vocabulary
+from behaviors.activity import DroneActivity
+from fsm import Behavior, Outcome, compile_mission, read_mission_text
+from fsm.machine import Record
+from hal.fake import FakeSession, FakeVehicle
+from hal.vehicle import PERIOD, Setpoint
+from vencejo.geometry import Point
+
+
+def airborne(height: float = 3.0) -> tuple[FakeSession, FakeVehicle]:
+    """A vehicle that hovers above its start, heading east."""
+    session = FakeSession()
+    vehicle = session.vehicles["drone"]
+    order = vehicle.takeoff(height)
+    while not order.ended:
+        session.wait()
+    session.wait()
+    assert vehicle.observe().velocity.norm() == 0
+    return session, vehicle
+
+
+class Solo:
+    """One behaviour on a vehicle, without a graph; ``run`` lets time pass."""
+
+    def __init__(
+        self,
+        name: str | Behavior,
+        values: Mapping[str, Any] | None = None,
+        *,
+        progress: Mapping[str, Any] | None = None,
+        grounded: bool = False,
+        vehicle: tuple[FakeSession, FakeVehicle] | None = None,
+    ) -> None:
+        self.session, self.vehicle = vehicle or (
+            _on_ground(FakeSession()) if grounded else airborne()
+        )
+        self.flight = Flight(self.vehicle, MissionFrame(Point(0.0, 0.0, 0.0)), Random(0))
+        self.events: list[tuple[str, Mapping[str, Any]]] = []
+        self.live: dict[str, Any] = {}
+        self.outcome: Outcome | None = None
+        info = Catalog()[name] if isinstance(name, str) else name
+        self.activity = DroneActivity(info, values or {}, progress, self.flight, self._post)
+
+    def _post(self, name: str, fields: Mapping[str, Any]) -> None:
+        self.events.append((name, fields))
+
+    def step(self) -> Setpoint | None:
+        """One period; the set-point that was commanded (mission frame)."""
+        self.flight.observe()
+        self.outcome = self.activity.step(self.live)
+        commanded = self.flight.setpoint
+        self.flight.send()
+        self.session.wait()
+        return commanded
+
+    def run(self, seconds: float) -> Outcome | None:
+        """Step until it ends, for so many seconds at most."""
+        for _ in range(round(seconds / PERIOD)):
+            self.step()
+            if self.outcome is not None:
+                break
+        return self.outcome
+
+    @property
+    def word(self) -> str | None:
+        return self.outcome.word if self.outcome else None
+
+    @property
+    def time(self) -> float:
+        return self.vehicle.observe().time
+
+
+def _on_ground(session: FakeSession) -> tuple[FakeSession, FakeVehicle]:
+    return session, session.vehicles["drone"]
+
+
+class Rig:
+    """A mission on a vehicle without physics."""
+
+    def __init__(
+        self,
+        text: str,
+        *,
+        own: Mapping[str, Behavior] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        places: Mapping[str, Point] | None = None,
+        session: FakeSession | None = None,
+        strip: tuple[str, ...] = (),
+    ) -> None:
+        self.session = session or FakeSession()
+        self.vehicle = self.session.vehicles["drone"]
+        self.vehicle.capabilities -= set(strip)
+        graph = compile_mission(
+            read_mission_text(text, "test.yaml"), drone_vocabulary(own, places or {})
+        )
+        frame = MissionFrame(self.vehicle.observe().position, places)
+        self.pilot = Pilot(graph, self.vehicle, parameters, frame=frame)
+        self.records: list[Record] = []
+
+    def period(self) -> None:
+        self.session.wait()
+        self.pilot.period()
+        self.records += self.pilot.instance.records
+        self.pilot.instance.records = []
+
+    def run(self, seconds: float) -> None:
+        """Fly on until everything is over, for so many seconds at most."""
+        for _ in range(round(seconds / PERIOD)):
+            if self.pilot.finished:
+                return
+            self.period()
+
+    def until(self, reached: Callable[[], bool], seconds: float = 60.0) -> None:
+        for _ in range(round(seconds / PERIOD)):
+            if reached():
+                return
+            self.period()
+        assert reached(), f"not so within {seconds} s; in {self.pilot.instance.paths()}"
+
+    def until_in(self, state: str) -> None:
+        self.until(lambda: self.pilot.instance.is_active(state))
+
+    @property
+    def states(self) -> list[str]:
+        """What was entered, the root left out."""
+        return [fields["state"] for kind, fields in self.records if kind == "enter"][1:]
+
+    @property
+    def last(self) -> Setpoint:
+        return self.vehicle.commands[-1]

@@ -1,0 +1,140 @@
+"""Behaviours in Python files beside a mission."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from behaviors import load_uses
+from tests.behaviors.flying import Rig
+from vencejo.errors import Fault, UserError, Where
+from vencejo.nodes import Scalar
+
+CLIMB = """
+from behaviors import Behavior, BehaviorParams, param
+from hal import Velocity
+
+class _Helper(Behavior):
+    pass
+
+class ClimbTo(Behavior):
+    '''Climb to a height.'''
+    class Params(BehaviorParams):
+        height: float = param(unit="m")
+
+    def step(self, flight):
+        flight.command(Velocity(z=1.0))
+        return "done" if flight.observation.position.z >= self.params.height else None
+
+Again = ClimbTo
+"""
+
+
+def named(*names: str) -> list[Scalar]:
+    return [Scalar(name, Where("m.yaml", 3, 8 + i)) for i, name in enumerate(names)]
+
+
+def refusal(folder: Path, *names: str) -> Fault:
+    with pytest.raises(UserError) as raised:
+        load_uses(named(*names), folder)
+    (fault,) = raised.value.faults
+    assert fault.where and str(folder) not in str(raised.value)
+    return fault
+
+
+def test_an_own_behaviour_flies(tmp_path: Path) -> None:
+    (tmp_path / "climb.py").write_text(CLIMB)
+    own = load_uses(named("climb.py"), tmp_path)
+    assert list(own) == ["climb_to"]
+    rig = Rig(
+        """
+mission: own
+states:
+  takeoff: {do: takeoff, on: {done: climb}}
+  climb: {do: climb_to, with: {height: 5 m}, on: {done: land}}
+  land: {do: land, on: {done: finish}}
+  finish: {type: final}
+""",
+        own=own,
+    )
+    rig.until_in("land")
+    assert rig.vehicle.position.z == pytest.approx(5.0, abs=0.1)
+    rig.run(30)
+    assert rig.pilot.outcome == "done"
+
+
+def test_files_of_a_folder_beside_it_may_be_named(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "climb.py").write_text(CLIMB)
+    assert "climb_to" in load_uses(named("mine/climb.py"), tmp_path)
+
+
+@pytest.mark.parametrize("name", ["../other.py", "/etc/hostname.py"])
+def test_nothing_outside_the_folder_is_run(tmp_path: Path, name: str) -> None:
+    (tmp_path / "other.py").write_text("raise RuntimeError('was run')")
+    folder = tmp_path / "missions"
+    folder.mkdir()
+    fault = refusal(folder, name)
+    assert (fault.code, fault.where) == ("outside-folder", Where("m.yaml", 3, 8))
+    assert fault.hint
+
+
+def test_a_link_out_of_the_folder_is_outside(tmp_path: Path) -> None:
+    folder = tmp_path / "missions"
+    folder.mkdir()
+    (tmp_path / "other.py").write_text(CLIMB)
+    (folder / "linked.py").symlink_to(tmp_path / "other.py")
+    assert refusal(folder, "linked.py").code == "outside-folder"
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    fault = refusal(tmp_path, "climb.py")
+    assert (fault.code, fault.where) == ("no-such-file", Where("m.yaml", 3, 8))
+    assert fault.hint == "no Python file lies beside the mission"
+    (tmp_path / "climbs.py").write_text(CLIMB)
+    assert refusal(tmp_path, "climb.py").hint == "did you mean 'climbs.py'?"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "told"),
+    [
+        ("import sys\n\nvalue = {}['key']\n", 3, "KeyError: 'key'"),
+        ("x = 1\ndef step(:\n", 2, "SyntaxError"),
+        ("import no_such_module_here\n", 1, "ModuleNotFoundError"),
+        ("def f():\n    raise SystemExit(3)\n\nf()\n", 2, "SystemExit"),
+        (CLIMB.replace('unit="m"', 'unit="furlong"'), 10, "there is no unit 'furlong'"),
+        (CLIMB + "\nClimbTo.publishes = list[int]\nClimbTo.events = 3\n", 1, "AttributeError"),
+    ],
+)
+def test_broken_code_is_told_with_its_own_line(
+    tmp_path: Path, text: str, line: int, told: str
+) -> None:
+    (tmp_path / "broken.py").write_text(text)
+    fault = refusal(tmp_path, "broken.py")
+    assert fault.code == "broken-code"
+    assert fault.where == Where("broken.py", line, 1)
+    assert told in fault.message
+    assert fault.hint == "named under `uses` at m.yaml:3:8"
+
+
+def test_what_has_no_behaviour(tmp_path: Path) -> None:
+    (tmp_path / "none.py").write_text("from behaviors import Behavior\n")
+    fault = refusal(tmp_path, "none.py")
+    assert (fault.code, fault.where) == ("no-behaviour", Where("m.yaml", 3, 8))
+    assert fault.hint and "class" in fault.hint
+    (tmp_path / "notes.txt").write_text("hello")
+    fault = refusal(tmp_path, "notes.txt")
+    assert (fault.code, fault.hint) == ("not-python", "its name ends in .py")
+
+
+def test_names_are_taken_once(tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text(CLIMB)
+    (tmp_path / "b.py").write_text(CLIMB)
+    fault = refusal(tmp_path, "a.py", "b.py")
+    assert (fault.code, fault.where) == ("name-taken", Where("m.yaml", 3, 9))
+    assert "'climb_to'" in fault.message and fault.hint
+    (tmp_path / "c.py").write_text(
+        CLIMB.replace("class ClimbTo", "class Land").replace("ClimbTo", "Land")
+    )
+    assert refusal(tmp_path, "c.py").code == "name-taken"

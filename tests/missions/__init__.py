@@ -1,0 +1,1 @@
+"""The shipped missions, flown in the simulator."""
