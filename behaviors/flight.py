@@ -140,9 +140,8 @@ class Flight:
         seen = self.world = self._vehicle.observe()
         """The observation as the vehicle gave it, world frame: for records."""
         frame = self.frame
-        self.observation = dataclasses.replace(
-            seen, position=frame.from_world(seen.position), home=frame.from_world(seen.home)
-        )
+        position, home = frame.from_world(seen.position), frame.from_world(seen.home)
+        self.observation = seen._replace(position=position, home=home)
         """Position and home in the mission frame."""
         self.setpoint = None
         return self.observation
@@ -168,10 +167,7 @@ class Flight:
         """Hand this period's set-point to the vehicle, in the world frame."""
         setpoint = self.setpoint
         if isinstance(setpoint, Position):
-            origin = self.frame.origin
-            setpoint = Position(
-                setpoint.xyz.plus(origin), setpoint.velocity, setpoint.yaw, setpoint.yaw_rate
-            )
+            setpoint = setpoint._replace(xyz=setpoint.xyz.plus(self.frame.origin))
         if setpoint is not None:
             self._vehicle.command(setpoint)
 

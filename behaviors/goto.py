@@ -36,14 +36,15 @@ class GoTo(Behavior):
     requires = ("position", "velocity")
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.leg = Leg(flight, self.params.to)
+        params = self.params
+        self.leg = Leg(flight, params.to)
+        self.arrival = Arrival(params.tolerance, params.yaw_tolerance, params.dwell)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params = self.params
         approach = self.leg.step(flight, params.to, params.speed, params.heading)
         flight.publish(approach)
-        arrival = Arrival(params.tolerance, params.yaw_tolerance, params.dwell)
-        if self.leg.arrived(flight, approach, arrival):
+        if self.leg.arrived(flight, approach, self.arrival):
             self.leg.rest(flight)
             return "done"
         return self.leg.blocked(flight, approach, params.timeout)

@@ -9,13 +9,12 @@ mission ends, in whatever way, the vehicle is landed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from math import inf
 from typing import Any
 
 from behaviors.activity import DroneActivity
 from behaviors.flight import Flight, MissionFrame
-from behaviors.vocabulary import view
+from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
 from fsm.graph import Graph
 from fsm.machine import Instance
@@ -64,7 +63,8 @@ class Pilot:
         self._watch = Watch(thresholds or Thresholds())
         self._ended_at: float | None = None
         self._landing_asked = -inf
-        self._held: Setpoint = Hold()
+        self._last: Setpoint = Hold()
+        """What was commanded last, mission frame."""
         self._require(graph)
 
     def _require(self, graph: Graph) -> None:
@@ -110,7 +110,7 @@ class Pilot:
         if self.outcome is None:
             for name, fields in self._watch.events(seen):
                 self.instance.post(name, fields)
-            self.instance.period(seen.time, (view(seen),))
+            self.instance.period(seen.time, (VehicleView(seen),))
             self._react()
             if self.instance.ended:
                 self._end(self.instance.outcome or "failed")
@@ -177,12 +177,12 @@ class Pilot:
         """The set-point of the behaviour in control; without one, hold: nothing stays latched."""
         flight = self.flight
         if flight.setpoint is not None:
-            self._held = self._stay(flight.setpoint)
+            self._last = flight.setpoint
         elif self._manoeuvres():
-            self._held = Hold()
+            self._last = Hold()
             return
         else:
-            flight.setpoint = self._held
+            flight.setpoint = self._last = self._stay(self._last)
         flight.send()
 
     def _manoeuvres(self) -> bool:
@@ -203,4 +203,4 @@ class Pilot:
             return Hold()
         if distance(setpoint.xyz, self.flight.observation.position) > STAY_WITHIN:
             return Hold()
-        return replace(setpoint, yaw_rate=None)
+        return setpoint._replace(yaw_rate=None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from behaviors.catalog import Catalog
@@ -40,20 +39,56 @@ REACTIONS: Mapping[str, Reaction] = MappingProxyType(
 """Everything else that is urgent or failed, and that nobody handles, lands the vehicle."""
 
 
-@dataclass(frozen=True, slots=True)
 class VehicleView:
-    """The values of ``vehicle`` in expressions; positions in the mission frame."""
+    """The values of ``vehicle`` in expressions: an observation in the mission frame.
 
-    position: Point
-    velocity: Point
-    yaw: float
-    altitude: float
-    speed: float
-    battery: float
-    armed: bool
-    flying: bool
-    mode: str
-    home: Point
+    Made every period and mostly not read, so it computes nothing before it is asked.
+    """
+
+    __slots__ = ("_seen",)
+
+    def __init__(self, seen: Observation) -> None:
+        self._seen = seen
+
+    @property
+    def position(self) -> Point:
+        return self._seen.position
+
+    @property
+    def velocity(self) -> Point:
+        return self._seen.velocity
+
+    @property
+    def yaw(self) -> float:
+        return self._seen.yaw
+
+    @property
+    def altitude(self) -> float:
+        return self._seen.position.z
+
+    @property
+    def speed(self) -> float:
+        return self._seen.velocity.norm()
+
+    @property
+    def battery(self) -> float:
+        return self._seen.battery
+
+    @property
+    def armed(self) -> bool:
+        return self._seen.armed
+
+    @property
+    def flying(self) -> bool:
+        return self._seen.flying
+
+    @property
+    def mode(self) -> str:
+        return self._seen.mode
+
+    @property
+    def home(self) -> Point:
+        return self._seen.home
 
 
 VEHICLE: Mapping[str, Type] = MappingProxyType(
@@ -70,22 +105,6 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
         "home": POINT,
     }
 )
-
-
-def view(seen: Observation) -> VehicleView:
-    """An observation (mission frame) as expressions see it."""
-    return VehicleView(
-        seen.position,
-        seen.velocity,
-        seen.yaw,
-        seen.position.z,
-        seen.velocity.norm(),
-        seen.battery,
-        seen.armed,
-        seen.flying,
-        seen.mode,
-        seen.home,
-    )
 
 
 def drone_vocabulary(

@@ -24,8 +24,8 @@ FORMAT = "vencejo.events"
 FORMAT_VERSION = 1
 TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
 _ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s\n"
-_FLUSH_EVERY = 40
-"""Rows of telemetry between two flushes: what a killed run may lose is one second."""
+_ROWS_AT_ONCE = 40
+"""Rows of telemetry written together: what a killed run may lose is one second."""
 
 
 def as_json(value: Any) -> Any:
@@ -67,7 +67,8 @@ class Recorder:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._sequence = 0
-        self._rows = 0
+        self._rows: list[tuple[Observation, str, str]] = []
+        self._state = ""
         self._events: IO[str] = (folder / "events.jsonl").open("w", encoding="utf-8", newline="\n")
         self._telemetry: IO[str] = (folder / "telemetry.csv").open(
             "w", encoding="utf-8", newline="\n"
@@ -97,20 +98,22 @@ class Recorder:
                 self._events.write(_encode({**line, **fields}) + "\n")
                 self._sequence += 1
             self._events.flush()
-        self._row(seen, vehicle, "|".join(pilot.instance.paths()))
+            self._state = "|".join(pilot.instance.paths())
+        # Formatted many at a time: one by one they would take twice as long.
+        self._rows.append((seen, vehicle, self._state))
+        if len(self._rows) == _ROWS_AT_ONCE:
+            self._write_rows()
         return records
 
-    def _row(self, seen: Observation, vehicle: str, state: str) -> None:
-        roll, pitch = roll_pitch_of(seen.attitude)
-        place = (seen.time, vehicle, *seen.position, *seen.velocity)
-        pose = (roll, pitch, seen.yaw, seen.battery, seen.mode, state)
-        self._telemetry.write(_ROW % (*place, *pose))
-        self._rows += 1
-        if self._rows % _FLUSH_EVERY == 0:
-            self._telemetry.flush()
+    def _write_rows(self) -> None:
+        self._telemetry.write("".join([_row(*row) for row in self._rows]))
+        self._telemetry.flush()
+        self._rows.clear()
 
     def close(self) -> None:
-        """Everything is on disk after this."""
+        """Everything is on disk after this; closing again does nothing."""
+        if not self._telemetry.closed:
+            self._write_rows()
         self._events.close()
         self._telemetry.close()
 
@@ -118,6 +121,12 @@ class Recorder:
         """A JSON file beside the log, for people to read too."""
         text = json.dumps(content, indent=2, ensure_ascii=False, default=as_json)
         (self.folder / name).write_text(text + "\n", encoding="utf-8")
+
+
+def _row(seen: Observation, vehicle: str, state: str) -> str:
+    roll, pitch = roll_pitch_of(seen.attitude)
+    place = (seen.time, vehicle, *seen.position, *seen.velocity)
+    return _ROW % (*place, roll, pitch, seen.yaw, seen.battery, seen.mode, state)
 
 
 def file_hash(path: Path) -> str:

@@ -67,6 +67,10 @@ class Configuration:
         """What happened since somebody last took the list away."""
         self.period_number = 0
         self._leaves: list[Node] = []
+        self._waiting: list[Node] = []
+        """Active states with conditions or timers, and so on: what each period goes through."""
+        self._always_doing: list[Node] = []
+        self._behaving: list[Node] = []
         self._entered_in: dict[int, int] = {}
         self._internal: deque[Event] = deque()
         self._running: dict[int, Running] = {}
@@ -178,6 +182,9 @@ class Configuration:
     def _settle(self, active: Sequence[Node]) -> None:
         self.active = list(active)
         self._leaves = [node for node in self.active if not node.children]
+        self._waiting = [node for node in self.active if node.whens or node.afters]
+        self._always_doing = [node for node in self.active if node.throughout]
+        self._behaving = [node for node in self.active if node.invocation is not None]
         mask = 0
         for node in self.active:
             mask |= 1 << node.index

@@ -20,7 +20,7 @@ from typing import Any
 
 from fsm.configuration import NOTHING, Configuration, Event, Record, Running
 from fsm.functions import FAILURES
-from fsm.graph import Edge, Graph, Node, default_entry, entry_set
+from fsm.graph import Edge, Graph, Invocation, Node, default_entry, entry_set
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
 from fsm.vocabulary import Host, Outcome
@@ -29,6 +29,7 @@ from fsm.waiting import EPSILON, Armed, Timer
 __all__ = ["FAILURES", "Event", "Instance", "Record"]
 
 MAX_MICROSTEPS = 1000
+NO_LIVE: Mapping[str, Any] = {}
 
 
 @dataclass(slots=True)
@@ -127,9 +128,8 @@ class Instance(Configuration):
         self._stabilise()
 
     def _due_sends(self) -> None:
-        due = [sent for sent in self._delayed if sent.due <= self.now + EPSILON]
-        for sent in due:
-            self._delayed.remove(sent)
+        while self._delayed and self._delayed[0].due <= self.now + EPSILON:
+            sent = self._delayed.pop(0)
             self.post(sent.event.name, sent.event.fields)
 
     # -- events -----------------------------------------------------------------------------
@@ -239,21 +239,21 @@ class Instance(Configuration):
     def _world_round(self) -> None:
         """One round over the states active since before this period."""
         offers: dict[int, tuple[Edge, Armed | Timer]] = {}
-        for node in self.active:
-            if self._entered_in[node.index] < self.period_number and (node.whens or node.afters):
+        for node in self._waiting:
+            if self._entered_in[node.index] < self.period_number:
                 offer = self._world_offer(node)
                 if offer is not None:
                     offers[node.index] = offer
-        edges = select(
-            self._leaves if offers else (),
-            lambda node: offers[node.index][0] if node.index in offers else None,
-            self.graph.outer_first,
-        )
-        for edge in edges:
-            offers[edge.node.index][1].taken()
-        if edges:
+        if offers:
+            edges = select(
+                self._leaves,
+                lambda node: offers[node.index][0] if node.index in offers else None,
+                self.graph.outer_first,
+            )
+            for edge in edges:
+                offers[edge.node.index][1].taken()
             self._microstep(edges, NOTHING)
-        if edges or self._internal:
+        if offers or self._internal:
             self._stabilise()
 
     def _world_offer(self, node: Node) -> tuple[Edge, Armed | Timer] | None:
@@ -284,29 +284,30 @@ class Instance(Configuration):
     # -- throughout and behaviours ----------------------------------------------------------
 
     def _throughout(self) -> None:
-        for node in self.active:
+        for node in self._always_doing:
             self._run(node.throughout, NOTHING)
         self._defer()
 
     def _behaviors(self) -> None:
-        for node in self.active:
+        for node in self._behaving:
             invocation = node.invocation
-            if invocation is None:
-                continue
+            assert invocation is not None
             running = self._running.get(node.index) or self._begin(node)
             if running.ended or running.activity is None:
                 continue
-            live = {
-                name: value
-                for name, compiled in invocation.live.items()
-                if (value := self.evaluate(compiled, {}, None)) is not None
-            }
-            outcome = running.activity.step(live)
+            outcome = running.activity.step(self._live(invocation) if invocation.live else NO_LIVE)
             if invocation.slot >= 0:
                 self.slots[invocation.slot] = running.activity.published
             if outcome is not None:
                 self._end(node, running, outcome)
         self._defer()
+
+    def _live(self, invocation: Invocation) -> dict[str, Any]:
+        return {
+            name: value
+            for name, compiled in invocation.live.items()
+            if (value := self.evaluate(compiled, {}, None)) is not None
+        }
 
     def _begin(self, node: Node) -> Running:
         invocation = node.invocation

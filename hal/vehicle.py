@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
 from vencejo.geometry import Point, Quaternion
 
@@ -23,8 +23,7 @@ PERIOD = 0.025
 """The mission period, seconds: every backend's session waits from one to the next (40 Hz)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Observation:
+class Observation(NamedTuple):
     """What is known of a vehicle at one moment; never changes once given."""
 
     time: float
@@ -55,8 +54,7 @@ class Observation:
     """Seconds since the vehicle was last heard."""
 
 
-@dataclass(frozen=True, slots=True)
-class Velocity:
+class Velocity(NamedTuple):
     """Fly at a velocity, m/s: (east, north, up), or (forward, left, up) in the heading frame."""
 
     x: float = 0.0
@@ -67,8 +65,7 @@ class Velocity:
     """rad/s, counter-clockwise."""
 
 
-@dataclass(frozen=True, slots=True)
-class Position:
+class Position(NamedTuple):
     """Be at a place (world frame), moving at ``velocity`` when there (feed-forward).
 
     One that moves is sent anew every period; one that is left standing needs no velocity.

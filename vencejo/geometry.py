@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, hypot, pi, sin, sqrt
+from math import asin, atan2, cos, dist, hypot, pi, sin, sqrt
 from typing import NamedTuple
 
 Quaternion = tuple[float, float, float, float]
@@ -29,9 +29,8 @@ class Point(NamedTuple):
         return sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
 
 
-def distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
-    """Straight-line distance between two points, metres."""
-    return sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+distance = dist
+"""Straight-line distance between two points, metres."""
 
 
 def bearing(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:

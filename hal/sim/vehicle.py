@@ -118,18 +118,18 @@ class SimVehicle:
         if self._observation is None:
             _, attitude, velocity, turning = self._state
             self._observation = Observation(
-                time=self._time,
-                position=self._position(),
-                velocity=Point(*velocity),
-                attitude=attitude,
-                yaw=wrap(yaw_of(attitude)),
-                rates=in_body(turning, attitude),
-                battery=self._battery.charge,
-                armed=self._armed,
-                flying=not self._supported,
-                mode=self._mode,
-                home=self._home,
-                health=self._health(),
+                self._time,
+                self._position(),
+                Point(*velocity),
+                attitude,
+                wrap(yaw_of(attitude)),
+                in_body(turning, attitude),
+                self._battery.charge,
+                self._armed,
+                not self._supported,
+                self._mode,
+                self._home,
+                self._health(),
             )
         return self._observation
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import pi, sqrt
 
 import pytest
@@ -25,7 +24,7 @@ speeds = st.floats(0.2, 8)
 
 def follow(reference: Reference) -> Observation:
     """A vehicle that is right where the reference is."""
-    return replace(SEEN, position=reference.position, velocity=reference.velocity)
+    return SEEN._replace(position=reference.position, velocity=reference.velocity)
 
 
 def step(reference: Reference, target: Point, speed: float) -> None:
@@ -117,7 +116,7 @@ def test_it_settles_to_the_speed_of_a_slow_vehicle(most: float) -> None:
         ahead = reference.position.x - place.x
         flown = min(most, reference.velocity.x + 2.0 * ahead)
         place = Point(place.x + flown * PERIOD, 0.0, 0.0)
-        seen = replace(SEEN, position=place, velocity=Point(flown, 0.0, 0.0))
+        seen = SEEN._replace(position=place, velocity=Point(flown, 0.0, 0.0))
         reference.step(Point(500.0, 0.0, 0.0), 20.0, seen, PERIOD)
         if period > 400:
             # No swinging about that speed.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from behaviors.watch import RECOVERED, Thresholds, Watch
@@ -15,7 +13,7 @@ SEEN = FakeVehicle().observe()
 def charges(*levels: float, watch: Watch | None = None) -> list[list[str]]:
     """The events of each charge, in order."""
     watch = watch or Watch(Thresholds())
-    return [[name for name, _ in watch.events(replace(SEEN, battery=level))] for level in levels]
+    return [[name for name, _ in watch.events(SEEN._replace(battery=level))] for level in levels]
 
 
 def test_each_threshold_is_one_event() -> None:
@@ -36,7 +34,7 @@ def test_a_charge_that_wavers_is_told_once() -> None:
 def test_the_link() -> None:
     watch = Watch(Thresholds(link_lost=2.0))
     ages = [0.0, 1.9, 2.1, 3.0, 0.0, 2.1]
-    events = [list(watch.events(replace(SEEN, link_age=age))) for age in ages]
+    events = [list(watch.events(SEEN._replace(link_age=age))) for age in ages]
     assert events == [
         [], [], [("link.lost", {"age": 2.1})], [], [("link.restored", {"age": 0.0})],
         [("link.lost", {"age": 2.1})],
@@ -45,6 +43,6 @@ def test_the_link() -> None:
 
 def test_thresholds_can_be_set_and_levels_are_told() -> None:
     watch = Watch(Thresholds(battery_low=0.6, battery_critical=0.4))
-    assert list(watch.events(replace(SEEN, battery=0.55))) == [
+    assert list(watch.events(SEEN._replace(battery=0.55))) == [
         ("battery.low", {"level": pytest.approx(0.55)})
     ]

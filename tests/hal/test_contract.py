@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import FrozenInstanceError, replace
 from math import nan, pi
 
 import pytest
@@ -70,11 +69,11 @@ def test_time_counts_periods_without_drift(session: Session) -> None:
 def test_an_observation_never_changes(session: Session) -> None:
     vehicle = take_off(session)
     seen = vehicle.observe()
-    copy = replace(seen)
+    copy = seen._replace()
     vehicle.command(Velocity(x=2.0))
     wait(session, 1)
     assert seen == copy != vehicle.observe()
-    with pytest.raises(FrozenInstanceError):
+    with pytest.raises(AttributeError):
         seen.time = 3.0  # type: ignore[misc]
 
 
