@@ -41,6 +41,8 @@ class MissionFrame:
     ) -> None:
         self.origin = origin
         """The mission frame's zero, world frame."""
+        self.is_world = origin == (0.0, 0.0, 0.0)
+        """Whether the two frames are one, and nothing needs to be moved."""
         self.places = dict(places or {})
         """Places of the world, world frame."""
         self.geographic = geographic
@@ -140,8 +142,10 @@ class Flight:
         seen = self.world = self._vehicle.observe()
         """The observation as the vehicle gave it, world frame: for records."""
         frame = self.frame
-        position, home = frame.from_world(seen.position), frame.from_world(seen.home)
-        self.observation = seen._replace(position=position, home=home)
+        if not frame.is_world:
+            position, home = frame.from_world(seen.position), frame.from_world(seen.home)
+            seen = seen._replace(position=position, home=home)
+        self.observation = seen
         """Position and home in the mission frame."""
         self.setpoint = None
         return self.observation
@@ -166,7 +170,7 @@ class Flight:
     def send(self) -> None:
         """Hand this period's set-point to the vehicle, in the world frame."""
         setpoint = self.setpoint
-        if isinstance(setpoint, Position):
+        if isinstance(setpoint, Position) and not self.frame.is_world:
             setpoint = setpoint._replace(xyz=setpoint.xyz.plus(self.frame.origin))
         if setpoint is not None:
             self._vehicle.command(setpoint)

@@ -47,7 +47,8 @@ class Reference:
 
     def step(self, target: Point, speed: float, vehicle: Observation, dt: float) -> None:
         """Move on by ``dt`` seconds towards ``target`` at up to ``speed`` m/s."""
-        dx, dy, dz = target.minus(self.position)
+        x, y, z = self.position
+        dx, dy, dz = target[0] - x, target[1] - y, target[2] - z
         left = sqrt(dx * dx + dy * dy + dz * dz)
         ux, uy, uz = (dx / left, dy / left, dz / left) if left > 1e-9 else STILL
         vx, vy, vz = self.velocity
@@ -68,7 +69,7 @@ class Reference:
 
         vx, vy, vz = vx * kept + along * ux, vy * kept + along * uy, vz * kept + along * uz
         self.velocity = Point(vx, vy, vz)
-        self.position = self.position.plus((vx * dt, vy * dt, vz * dt))
+        self.position = Point(x + vx * dt, y + vy * dt, z + vz * dt)
 
     def stop(self, vehicle: Observation, dt: float) -> None:
         """Slow down along the way it moves, and stay where that ends."""

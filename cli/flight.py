@@ -125,7 +125,8 @@ def fly(
             tally.add(pilot.flight.world, frame.origin.z)
             for watcher in watchers:
                 watcher.show(pilot, records)
-            pace.wait(pilot.flight.now, partial(_asked_more, stops, answered))
+            if pace.factor is not None:
+                pace.wait(pilot.flight.now, partial(_asked_more, stops, answered))
         if recorder:
             recorder.close()
         return Flown(

@@ -95,19 +95,22 @@ class Instance(Configuration):
         self.slots[TIME_SLOT] = now
         self.slots[FIRST_HOST_SLOT : FIRST_HOST_SLOT + len(host_values)] = host_values
         self.period_number += 1
-        # Before the start: what is sent with no delay is heard in a later period.
-        self._due_sends()
-        self._start()
+        if self._delayed:
+            # Before the start: what is sent with no delay is heard in a later period.
+            self._due_sends()
+        if not self.active:
+            self._start()
         # What is posted meanwhile belongs to the next period.
         for queue in (self._urgent, self._external):
             for _ in range(len(queue)):
                 if self.ended:
                     return
                 self._macrostep(queue.popleft())
-        if not self.ended:
+        if not self.ended and (self._waiting or self._internal):
             self._world_round()
         if not self.ended:
-            self._throughout()
+            if self._always_doing:
+                self._throughout()
             self._behaviors()
 
     def stop(self, outcome: str = "stopped") -> None:
