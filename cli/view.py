@@ -130,7 +130,10 @@ class LiveView:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self._live.__exit__(None, None, None)
+        try:
+            self._live.stop()
+        except OSError:
+            silence(self._console.file)
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         if self._wall is None:
