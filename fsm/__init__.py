@@ -2,8 +2,8 @@
 
 from fsm.compiler import compile_mission, parse_parameters
 from fsm.graph import Edge, Graph, Node
+from fsm.includes import read_mission, read_mission_text
 from fsm.machine import Event, Instance
-from fsm.reader import read_mission, read_mission_text
 from fsm.spec import MissionSpec
 from fsm.vocabulary import Activity, Behavior, Host, Outcome, Parameter, Vocabulary
 

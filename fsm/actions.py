@@ -1,4 +1,4 @@
-"""What a state graph can do by itself: assign, append, raise, send, cancel and log."""
+"""What a state graph can do: assign, append, raise, send, cancel, log, and call functions."""
 
 from __future__ import annotations
 
@@ -14,13 +14,16 @@ from fsm.literals import Context, collecting, read_value
 from fsm.scope import Binding
 from fsm.spec import ActionSpec
 from fsm.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
+from fsm.vocabulary import Vocabulary
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind
 from vencejo.units import TIME
 
 _EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
-_SEND_KEYS = frozenset({"event", "with", "delay", "id"})
+_SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
+_VEHICLE = re.compile(r"[a-z][a-z0-9_]*")
+_NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
 
@@ -31,14 +34,16 @@ def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
     name: Node | None = node if spec.kind == "raise" else None
     if spec.kind == "raise" and isinstance(node, MapNode) and len(node.entries) == 1:
         name, body = node.entries[0]
-    elif spec.kind == "send" and isinstance(node, MapNode):
+    elif spec.kind == "send" and isinstance(node, MapNode) and not node.get("to"):
         name, body = node.get("event"), node.get("with")
     if not isinstance(name, Scalar):
         return None
     return name.text, tuple(key.text for key, _ in body) if isinstance(body, MapNode) else ()
 
 
-def compile_action(spec: ActionSpec, context: Context, events: Events) -> Action:
+def compile_action(
+    spec: ActionSpec, context: Context, events: Events, vocabulary: Vocabulary
+) -> Action:
     """An action ready to run. Raises UserError."""
     match spec.kind:
         case "set":
@@ -54,9 +59,7 @@ def compile_action(spec: ActionSpec, context: Context, events: Events) -> Action
         case "cancel":
             return _cancel(spec, context)
         case "call":
-            raise UserError(
-                "not-yet", "'call' is part of the language but not of this version", spec.where
-            )
+            return _call(spec, context, vocabulary)
 
 
 def _log(spec: ActionSpec, context: Context) -> Action:
@@ -181,15 +184,13 @@ def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
 def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
     node = _map(spec.node, "send")
     for key, _ in node:
-        if key.text == "to":
-            raise UserError(
-                "not-yet", "`to` needs a fleet, which this version does not fly", key.where
-            )
         if key.text not in _SEND_KEYS:
             hint = nearest(key.text, _SEND_KEYS)
             raise UserError("unknown-key", f"`send` has no '{key.text}'", key.where, hint)
     name = _event_name(node.get("event"), node.where)
-    fields = _fields(node.get("with"), events.get(name, {}), context, node.where)
+    to = _receiver(node.get("to"), context)
+    # Which fields an event has is the receiver's to say.
+    fields = _fields(node.get("with"), {} if to else events.get(name, {}), context, node.where)
     delay_node, id_node = node.get("delay"), node.get("id")
     delay = read_value(delay_node, Number(TIME, 0.0), context) if delay_node else None
     id_ = read_value(id_node, TEXT, context) if id_node else None
@@ -201,9 +202,53 @@ def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
             fields(slots, event),
             delay(slots, event) if delay else 0.0,
             id_(slots, event) if id_ else name,
+            to,
         )
 
     return Action("send", spec.where, run)
+
+
+def _receiver(node: Node | None, context: Context) -> str:
+    """The vehicle an event is sent to; empty for one's own."""
+    if node is None:
+        return ""
+    if not isinstance(node, Scalar) or not _VEHICLE.fullmatch(node.text):
+        raise UserError("bad-name", "`to` is the name of a vehicle of the fleet", node.where)
+    if context.peers is not None and node.text not in context.peers:
+        raise UserError(
+            "unknown-vehicle",
+            f"the fleet has no vehicle '{node.text}'",
+            node.where,
+            nearest(node.text, context.peers),
+        )
+    return node.text
+
+
+def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
+    name, body = spec.node, None
+    if isinstance(name, MapNode):
+        if len(name.entries) != 1:
+            raise UserError("wrong-type", "`call` names one function", name.where)
+        name, body = name.entries[0]
+    if not isinstance(name, Scalar):
+        raise UserError("wrong-type", f"`call` names a function, not {kind(name)}", name.where)
+    function = vocabulary.functions.get(name.text)
+    if function is None:
+        hint = nearest(name.text, vocabulary.functions) or _NO_FUNCTIONS
+        message = f"there is no function '{name.text}' to call"
+        raise UserError("unknown-function", message, name.where, hint)
+    parameters = function.parameters
+    required = frozenset(p.name for p in parameters.values() if p.required)
+    shape = MapOf({p.name: p.type for p in parameters.values()}, required)
+    given = MapNode([], name.where) if body is None else _map(body, name.text)
+    arguments = read_value(given, shape, context)
+
+    def run(instance: Any, event: dict[str, Any]) -> None:
+        values = arguments(instance.slots, event)
+        instance.record("call", name=function.name, **{"with": values})
+        instance.host.call(function.name, values)
+
+    return Action("call", spec.where, run)
 
 
 def _cancel(spec: ActionSpec, context: Context) -> Action:

@@ -43,12 +43,12 @@ def _unhandled_outcomes(graph: Graph) -> Iterator[Fault]:
         if node.children:
             words.discard("done")  # not allowed there: see `_companions`
         if node.type == "compound" and node.parent is not None:
-            words |= {child.outcome for child in node.children if child.type == "final"}
+            words |= _ends(node)
         finishes = node.type == "parallel" and _can_finish(node)
-        if finishes and node.parent is not None:
+        if finishes and node.parent is not None and node.owner is node:
             words.add("done")
         for word in sorted(words - {"failed"}):
-            chain = (node,) if word == "done" else (node, *node.ancestors)
+            chain = (node,) if word == "done" else tuple(node.outwards())
             edges = [edge for around in chain for edge in _handles(around, word, graph)]
             region = node.parent is not None and node.parent.type == "parallel"
             if not edges and not (word == "done" and region):
@@ -73,7 +73,20 @@ def _unhandled_outcomes(graph: Graph) -> Iterator[Fault]:
                 )
 
 
+def _ends(node: Node) -> set[str]:
+    """The outcomes that the children of a compound state give it."""
+    if node.owner is not node:
+        return set()
+    (first, *_) = node.children
+    if first.border and first.type == "parallel":
+        return {"done"} if _can_finish(first) else set()
+    children = first.children if first.border else node.children
+    return {child.outcome for child in children if child.type == "final"}
+
+
 def _can_finish(node: Node) -> bool:
+    if node.children and node.children[0].border:
+        return _can_finish(node.children[0])
     if node.type == "parallel":
         return all(map(_can_finish, default_entry(node)))
     if node.children:

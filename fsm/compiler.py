@@ -7,23 +7,26 @@ structure must fulfil is tested in :mod:`fsm.checks`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from difflib import get_close_matches
 from itertools import combinations
 
 from fsm import actions
 from fsm.checks import check
-from fsm.declarations import FAILED_FIELDS, Declarations, Fields
+from fsm.declarations import Declarations
 from fsm.expressions import Compiled, compile_expression
 from fsm.faults import Faults
-from fsm.graph import Action, After, Edge, Graph, Guard, Invocation, Node, When, entry_set
+from fsm.graph import Action, After, Edge, Given, Graph, Guard, Invocation, Node, When, entry_set
 from fsm.literals import read_value
+from fsm.namespace import FAILED_FIELDS, Fields
 from fsm.parameters import parse_parameters
 from fsm.scope import FIRST_HOST_SLOT, Scope, start
 from fsm.spec import ActionSpec, DefineSpec, MissionSpec, StateSpec, TransitionSpec, TriggerSpec
 from fsm.tree import Tree, domain_of, through_history
 from fsm.types import ANY, BOOL, MapOf, Number
-from fsm.vocabulary import Behavior, Vocabulary
+from fsm.vocabulary import Parameter, Vocabulary
 from vencejo.errors import UserError, Where, nearest
+from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
 __all__ = ["compile_mission", "parse_parameters"]
@@ -32,8 +35,9 @@ __all__ = ["compile_mission", "parse_parameters"]
 def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
     """The graph of a mission. Raises UserError with every fault that would keep it from flying."""
     faults = Faults()
-    tree = Tree(spec.root, FIRST_HOST_SLOT + len(vocabulary.names), faults)
-    names = Declarations(spec, vocabulary, tree, faults)
+    tree = Tree(spec, FIRST_HOST_SLOT + len(vocabulary.names), faults)
+    names = Declarations(vocabulary, tree, faults)
+    own = names.of(tree.root)
     compiler = _Compiler(tree, names, faults)
     for node in tree.nodes:
         compiler.fill(node)
@@ -42,11 +46,11 @@ def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
         description=spec.description,
         root=tree.root,
         nodes=tuple(tree.nodes),
-        parameters=names.parameters,
-        parameter_slots=names.parameter_slots,
+        parameters=own.parameters,
+        parameter_slots=own.parameter_slots,
         vocabulary=vocabulary,
         slots=names.slots,
-        events={**names.raised, **names.events},
+        events=own.known_events,
         world=spec.world.text if spec.world else None,
         outer_first=spec.outer_first,
         by_path={node.path: node for node in tree.nodes},
@@ -70,24 +74,31 @@ class _Compiler:
         self.names = names
         self.faults = faults
         self.vocabulary = names.vocabulary
-        self.events = {**names.raised, **names.events}
+        self.own = names.of(tree.root)
+        """The names of the graph whose states are being filled."""
+        self.events = self.own.known_events
 
     # -- what stands in each state ----------------------------------------------------------
 
     def fill(self, node: Node) -> None:
         spec, scope = self.tree.specs[node.index], self.names.scopes[node.index]
+        if self.names.of(node) is not self.own:
+            self.own = self.names.of(node)
+            self.events = self.own.known_events
         node.entry = self.actions(spec.entry, scope)
         node.exit_actions = self.actions(spec.exit, scope)
         node.throughout = self.actions(spec.throughout, scope)
         if node.invocation:
             self.invocation(node, spec, scope)
+        if spec.include:
+            self.include(node, spec, spec.include, scope)
         for define in spec.define:
             with self.faults.collecting():
                 self.define(define, scope)
         output = {}
         for named in spec.output:
             with self.faults.collecting():
-                output[named.name.text] = read_value(named.node, ANY, self.names.context(scope))
+                output[named.name.text] = read_value(named.node, ANY, self.own.context(scope))
         node.output = output
         on: list[tuple[str, tuple[Edge, ...]]] = []
         whens: list[When] = []
@@ -129,7 +140,7 @@ class _Compiler:
         name, where = trigger.key.text, trigger.key.where
         if name == "*" or name.endswith(".*"):
             family = name[:-1]
-            if name != "*" and not any(event.startswith(family) for event in self.names.events):
+            if name != "*" and not any(event.startswith(family) for event in self.own.events):
                 families = {event.split(".")[0] + ".*" for event in self.events}
                 raise UserError(
                     "unknown-event",
@@ -167,55 +178,98 @@ class _Compiler:
         None when a behaviour inside is unknown: then any may be.
         """
         found: dict[str, list[Fields | None]] = {}
-        if node.type == "parallel":
+        if node.type == "parallel" and node.owner is node:
             found["done"] = [{}]
         for inner in self.tree.nodes[node.index : node.last + 1]:
+            same = self.names.of(inner) is self.own
             if inner.invocation:
                 outcomes = {**inner.invocation.behavior.outcomes, "failed": FAILED_FIELDS}
                 for word, fields in outcomes.items():
-                    if word != "done" or inner is node:
+                    # Of what an included graph goes through, only `failed` climbs out of it.
+                    if word == "failed" or (same and (word != "done" or inner is node)):
                         found.setdefault(word, []).append(fields)
             elif self.tree.specs[inner.index].do is not None:
                 return None
-            if inner.type == "final" and (inner.outcome != "done" or inner.parent is node):
-                found.setdefault(inner.outcome, []).append(None)
+            if inner.type == "final" and inner.parent:
+                owner, spec = inner.parent.owner, self.tree.specs[inner.index]
+                if self.names.of(owner) is self.own and (inner.outcome != "done" or owner is node):
+                    output = {named.name.text: ANY for named in spec.output}
+                    found.setdefault(inner.outcome, []).append(output)
+            if inner.type == "parallel" and inner.owner is node:
+                found.setdefault("done", []).append({})
+            if self.tree.specs[inner.index].include and same:
+                found.setdefault("failed", []).append(FAILED_FIELDS)
         return {word: _common(fields) for word, fields in found.items()}
 
     def invocation(self, node: Node, spec: StateSpec, scope: Scope) -> None:
         invocation = node.invocation
         assert invocation is not None and spec.do is not None
         behavior = invocation.behavior
-        context = self.names.context(scope)
+        values = self.given(behavior.name, behavior.parameters, spec, spec.do, scope)
+        for named in spec.live:
+            parameter = behavior.parameters.get(named.name.text)
+            if parameter is not None and not parameter.live:
+                self.faults.fail(
+                    "not-live",
+                    f"'{parameter.name}' cannot change in flight",
+                    named.name.where,
+                    "write it under `with`",
+                )
+        node.invocation = Invocation(behavior, values["with"], values["live"], invocation.slot)
+
+    def include(self, node: Node, spec: StateSpec, word: Scalar, scope: Scope) -> None:
+        """The parameters of an included graph, from the state that includes it."""
+        (root,) = node.children
+        names = self.names.of(root)
+        values = self.given(word.text, names.parameters, spec, word, scope)
+        root.given = tuple(
+            Given(
+                name,
+                names.parameter_slots[name],
+                parameter.default,
+                values["with"].get(name),
+                values["live"].get(name),
+            )
+            for name, parameter in names.parameters.items()
+        )
+        included = self.tree.graphs[root.index]
+        mission = self.tree.graphs[0]
+        priority = included.node.get("priority") if included.node else None
+        if priority is not None and included.outer_first != mission.outer_first:
+            self.faults.fail(
+                "mixed-priority",
+                f"'{included.name}' asks for another `priority` than the mission that includes it",
+                priority.where,
+                "one priority holds for a whole mission",
+            )
+
+    def given(
+        self,
+        name: str,
+        parameters: Mapping[str, Parameter],
+        spec: StateSpec,
+        place: Scalar,
+        scope: Scope,
+    ) -> dict[str, dict[str, Compiled]]:
+        """The parameters that stand under ``with`` and ``live``; required ones must be there."""
+        context = self.own.context(scope)
         values: dict[str, dict[str, Compiled]] = {"with": {}, "live": {}}
         for key, entries in (("with", spec.with_), ("live", spec.live)):
             for named in entries:
-                parameter = behavior.parameters.get(named.name.text)
+                parameter = parameters.get(named.name.text)
                 if parameter is None:
                     self.faults.fail(
                         "unknown-parameter",
-                        f"'{behavior.name}' has no parameter '{named.name.text}'",
+                        f"'{name}' has no parameter '{named.name.text}'",
                         named.name.where,
-                        nearest(named.name.text, behavior.parameters),
+                        nearest(named.name.text, parameters),
                     )
                     continue
-                if key == "live" and not parameter.live:
-                    hint = "write it under `with`"
-                    self.faults.fail(
-                        "not-live",
-                        f"'{parameter.name}' cannot change in flight",
-                        named.name.where,
-                        hint,
-                    )
                 with self.faults.collecting():
                     values[key][parameter.name] = read_value(named.node, parameter.type, context)
-        self.required(behavior, spec)
-        node.invocation = Invocation(behavior, values["with"], values["live"], invocation.slot)
-
-    def required(self, behavior: Behavior, spec: StateSpec) -> None:
-        assert spec.do is not None
         given = {named.name.text for named in (*spec.with_, *spec.live)}
-        misspelt = given - set(behavior.parameters)
-        for parameter in behavior.parameters.values():
+        misspelt = given - set(parameters)
+        for parameter in parameters.values():
             # One whose name was misspelt is reported already.
             if (
                 parameter.required
@@ -224,17 +278,18 @@ class _Compiler:
             ):
                 self.faults.fail(
                     "missing-parameter",
-                    f"'{behavior.name}' needs the parameter '{parameter.name}' ({parameter.type})",
-                    spec.do.where,
+                    f"'{name}' needs the parameter '{parameter.name}' ({parameter.type})",
+                    place.where,
                     f"with: {{{parameter.name}: …}}",
                 )
+        return values
 
     def actions(self, specs: tuple[ActionSpec, ...], scope: Scope) -> tuple[Action, ...]:
         found: list[Action] = []
         for spec in specs:
             with self.faults.collecting():
                 found.append(
-                    actions.compile_action(spec, self.names.context(scope), self.names.events)
+                    actions.compile_action(spec, self.own.context(scope), self.own.events, self.vocabulary)
                 )
         return tuple(found)
 

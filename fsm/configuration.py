@@ -184,7 +184,7 @@ class Configuration:
         self._leaves = [node for node in self.active if not node.children]
         self._waiting = [node for node in self.active if node.whens or node.afters]
         self._always_doing = [node for node in self.active if node.throughout]
-        self._behaving = [node for node in self.active if node.invocation is not None]
+        self._behaving = [node for node in self.active if node.invocation or node.given]
         mask = 0
         for node in self.active:
             mask |= 1 << node.index
@@ -197,6 +197,8 @@ class Configuration:
         self._entry_count += 1
         self._entries[index] = self._entry_count
         memory = next((memory for memory in self._restoring if node in memory.kept), None)
+        if node.given:
+            self._give(node)
         for data in node.data:
             slots[data.slot] = (
                 memory.data[data.slot]
@@ -218,6 +220,20 @@ class Configuration:
         if node.type == "final":
             self._reached(node, event)
 
+    def _give(self, root: Node) -> None:
+        """Fill the parameters of an included graph; one without value makes it `failed`."""
+        for given in root.given:
+            value = None
+            if given.live is not None:
+                value = self.evaluate(given.live, {}, None)
+            elif given.with_ is not None:
+                try:
+                    value = given.with_.function(self.slots, {})
+                except FAILURES as error:
+                    reason = f"the parameter '{given.name}' has no value: {error}"
+                    self._internal.append(self._outcome(root.owner, "failed", {"reason": reason}))
+            self.slots[given.slot] = given.default if value is None else value
+
     def _timer(self, after: After, event: Event) -> Timer:
         duration = self.evaluate(after.duration, event.fields, None)
         due = self.now + duration if isinstance(duration, (int, float)) else None
@@ -228,8 +244,8 @@ class Configuration:
         output = {
             name: self.evaluate(value, event.fields, None) for name, value in final.output.items()
         }
-        parent = final.parent
-        assert parent is not None
+        assert final.parent is not None
+        parent = final.parent.owner
         if parent.parent is None:
             self.outcome, self.output = final.outcome, output
             return
@@ -242,12 +258,14 @@ class Configuration:
     def _region_finished(self, region: Node, queue: deque[Event]) -> None:
         parallel = region.parent
         if parallel is not None and parallel.type == "parallel" and self._is_finished(parallel):
-            queue.append(self._outcome(parallel, "done", {}))
-            self._region_finished(parallel, queue)
+            queue.append(self._outcome(parallel.owner, "done", {}))
+            self._region_finished(parallel.owner, queue)
 
     def _is_finished(self, node: Node) -> bool:
         if node.type == "parallel":
             return all(self._is_finished(region) for region in default_entry(node))
+        if node.children and node.children[0].border:
+            return self._is_finished(node.children[0])
         if node.children:
             return any(c.type == "final" and self._is_active(c) for c in node.children)
         return node.index in self._finished

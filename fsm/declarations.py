@@ -5,8 +5,7 @@ What is declared wrongly stays known, as a name of unknown type: one mistake mak
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from types import MappingProxyType
+from collections.abc import Iterator
 from typing import Any
 
 from fsm.actions import raised
@@ -14,11 +13,12 @@ from fsm.expressions import Compiled
 from fsm.faults import Faults
 from fsm.graph import Data, Invocation, Node
 from fsm.literals import Context, read_value
+from fsm.namespace import OWN_EVENTS, Namespace
 from fsm.parameters import constant_value, named_type, read_parameter, widened
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT, Binding, Define, Scope
 from fsm.spec import ActionSpec, MissionSpec, Named, StateSpec
 from fsm.tree import Tree
-from fsm.types import ANY, NAMED, TEXT, MapOf, Number, Type
+from fsm.types import ANY, NAMED, MapOf, Number, Type
 from fsm.vocabulary import Parameter, Vocabulary
 from vencejo.errors import UserError, nearest
 from vencejo.geometry import Point
@@ -26,47 +26,43 @@ from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
-Fields = Mapping[str, Type]
-FAILED_FIELDS: Fields = MappingProxyType({"reason": TEXT})
-ERROR_FIELDS: Fields = MappingProxyType({"message": TEXT, "where": TEXT})
-OWN_EVENTS: Mapping[str, Fields] = MappingProxyType(
-    {"error.execution": ERROR_FIELDS, "error.livelock": ERROR_FIELDS}
-)
-
 
 class Declarations:
-    """Everything a mission declares."""
+    """Everything a mission declares, with the graphs it includes."""
 
-    def __init__(
-        self, spec: MissionSpec, vocabulary: Vocabulary, tree: Tree, faults: Faults
-    ) -> None:
+    def __init__(self, vocabulary: Vocabulary, tree: Tree, faults: Faults) -> None:
         self.vocabulary = vocabulary
         self.tree = tree
         self.faults = faults
         self.slots = tree.first_slot + len(tree.nodes)
         self.scopes: dict[int, Scope] = {}
-        self.parameters: dict[str, Parameter] = {}
-        self.parameter_slots: dict[str, int] = {}
-        self.places: dict[str, Any] = {}
-        self.events: dict[str, Fields] = {**OWN_EVENTS, **vocabulary.events}
-        """Declared events with their fields."""
-        self.raised: dict[str, Fields] = {}
-        """Events that the mission only raises, with the fields it gives them."""
-        self._read_places(spec)
-        host = self._host_scope()
-        self._read_parameters(spec, host)
-        self._read_events(spec)
-        self._declare(tree.root, host)
-        self._collect_raised()
+        self.graphs: dict[int, Namespace] = {}
+        """The names of the graph that begins at a state."""
+        self._declare(tree.root, Scope())
+        for index in reversed(self.graphs):
+            self._collect_raised(tree.nodes[index])
+
+    def of(self, node: Node) -> Namespace:
+        """The names of the graph that a state belongs to."""
+        *_, root = node.outwards()
+        return self.graphs[root.index]
 
     def slot(self) -> int:
         self.slots += 1
         return self.slots - 1
 
-    def context(self, scope: Scope) -> Context:
-        return Context(scope, self.places, self.vocabulary.places)
+    # -- names of a whole graph -------------------------------------------------------------
 
-    # -- names of the whole mission ---------------------------------------------------------
+    def _begin(self, root: Node) -> Scope:
+        """What all states of a graph see, whatever is around it."""
+        spec = self.tree.graphs[root.index]
+        names = self.graphs[root.index] = Namespace(self.vocabulary)
+        names.events.update({**OWN_EVENTS, **self.vocabulary.events})
+        self._read_places(spec, names)
+        scope = self._host_scope()
+        self._read_parameters(spec, names, scope)
+        self._read_events(spec, names)
+        return scope
 
     def _host_scope(self) -> Scope:
         scope = Scope()
@@ -75,30 +71,30 @@ class Declarations:
             scope.names[name] = Binding(name, "host", type_, FIRST_HOST_SLOT + index)
         return scope
 
-    def _read_places(self, spec: MissionSpec) -> None:
+    def _read_places(self, spec: MissionSpec, names: Namespace) -> None:
         for place in spec.places:
             value: Any = Point(0.0, 0.0, 0.0)
             with self.faults.collecting():
-                context = self.context(Scope())
+                context = names.context(Scope())
                 value = constant_value(place.node, NAMED["point"], context).value()
-            self.places[place.name.text] = value
+            names.places[place.name.text] = value
 
-    def _read_parameters(self, spec: MissionSpec, scope: Scope) -> None:
+    def _read_parameters(self, spec: MissionSpec, names: Namespace, scope: Scope) -> None:
         for named in spec.parameters:
             name, where = named.name.text, named.name.where
             parameter = Parameter(name, ANY)
             with self.faults.collecting():
-                parameter = read_parameter(named, self.context(Scope()), self.faults)
+                parameter = read_parameter(named, names.context(Scope()), self.faults)
             slot = self.slot()
             with self.faults.collecting():
                 scope.declare(Binding(name, "parameter", parameter.type, slot, where), where)
-            self.parameters[name] = parameter
-            self.parameter_slots[name] = slot
+            names.parameters[name] = parameter
+            names.parameter_slots[name] = slot
 
-    def _read_events(self, spec: MissionSpec) -> None:
+    def _read_events(self, spec: MissionSpec, names: Namespace) -> None:
         for event in spec.events:
             name, where, node = event.name.text, event.name.where, event.node
-            if name in self.events:
+            if name in names.events:
                 self.faults.fail("name-taken", f"the event '{name}' exists already", where)
             fields: dict[str, Type] = {}
             if isinstance(node, MapNode):
@@ -111,31 +107,37 @@ class Declarations:
                     node.where,
                     f"{name}: {{id: number}}, or {name}: {{}}",
                 )
-            self.events[name] = fields
+            names.events[name] = fields
 
-    def _collect_raised(self) -> None:
-        """Events that behaviours or actions of this mission raise are known everywhere in it."""
-        for node in self.tree.nodes:
+    def _collect_raised(self, root: Node) -> None:
+        """Events that behaviours or actions of a graph raise are known everywhere in it."""
+        names = self.graphs[root.index]
+        for node in self.tree.nodes[root.index : root.last + 1]:
+            if self.of(node) is not names:
+                continue
             if node.invocation:
-                self.events.update(node.invocation.behavior.events)
-        for spec in self.tree.specs.values():
-            for action in _actions(spec):
+                names.events.update(node.invocation.behavior.events)
+            for action in _actions(self.tree.specs[node.index]):
                 found = raised(action)
-                if found is not None and found[0] not in self.events:
+                if found is not None and found[0] not in names.events:
                     name, fields = found
-                    known = self.raised.get(name, {})
-                    self.raised[name] = {**known, **dict.fromkeys(fields, ANY)}
+                    known = names.raised.get(name, {})
+                    names.raised[name] = {**known, **dict.fromkeys(fields, ANY)}
+        if root.parent is not None:
+            names.climb_to(self.of(root.parent))
 
     # -- names of each state ----------------------------------------------------------------
 
     def _declare(self, node: Node, outer: Scope) -> None:
         """Give a state its scope, then those inside it theirs."""
         spec = self.tree.specs[node.index]
+        if node.border:
+            outer = self._begin(node)
         scope = outer.inside(node.entered_slot)
-        if node.parent is None:
-            scope.states = {other.path: other.index for other in self.tree.nodes if other.path}
+        if node.border:
+            scope.states = self._states(node)
         self.scopes[node.index] = scope
-        node.data = tuple(self._data(named, scope) for named in spec.data)
+        node.data = tuple(self._data(named, scope, self.of(node)) for named in spec.data)
         if spec.do is not None:
             self._declare_behavior(node, spec.do, spec.as_, scope)
         for define in spec.define:
@@ -146,20 +148,28 @@ class Declarations:
         for child in node.children:
             self._declare(child, scope)
 
-    def _data(self, named: Named, scope: Scope) -> Data:
+    def _states(self, root: Node) -> dict[str, int]:
+        """The states of a graph, as ``active('…')`` names them there."""
+        around = root.owner.path + "." if root.owner.path else ""
+        inside = self.tree.nodes[root.index + 1 : root.last + 1]
+        return {node.path.removeprefix(around): node.index for node in inside}
+
+    def _data(self, named: Named, scope: Scope, names: Namespace) -> Data:
         name, where = named.name.text, named.name.where
         type_: Type = ANY
         initial = Compiled(ANY, lambda s, e: None, "", where, constant=True)
         with self.faults.collecting():
-            type_, initial = self._first_value(named, scope, initial)
+            type_, initial = self._first_value(named, names.context(scope), initial)
         slot = self.slot()
         with self.faults.collecting():
             scope.declare(Binding(name, "data", type_, slot, where), where)
         return Data(name, slot, type_, initial)
 
-    def _first_value(self, named: Named, scope: Scope, nothing: Compiled) -> tuple[Type, Compiled]:
+    def _first_value(
+        self, named: Named, context: Context, nothing: Compiled
+    ) -> tuple[Type, Compiled]:
         """The type of a variable and what it begins as."""
-        node, context = named.node, self.context(scope)
+        node = named.node
         if not isinstance(node, MapNode):
             initial = read_value(node, ANY, context)
             return widened(initial.type), initial

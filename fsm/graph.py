@@ -8,7 +8,7 @@ by :class:`fsm.machine.Instance`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -62,6 +62,17 @@ class Invocation:
     live: Mapping[str, Compiled]
     slot: int
     """Where its published values stand; -1 when it publishes nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A parameter of an included graph, filled whenever that is entered."""
+
+    name: str
+    slot: int
+    default: Any
+    with_: Compiled | None = None
+    live: Compiled | None = None
 
 
 class Edge(Transition):
@@ -121,6 +132,11 @@ class Node(State):
         self.description = ""
         self.parent: Node | None = None
         self.children: tuple[Node, ...] = ()
+        self.border = False
+        """Whether a graph begins here: it is the root, or the only child of a state that includes
+        one. Names, targets and outcomes other than `failed` do not cross it."""
+        self.given: tuple[Given, ...] = ()
+        """Parameters of the graph that begins here, when it is included."""
         self.ancestors: tuple[Node, ...] = ()
         """From the parent outwards to the root."""
         self.last = index
@@ -140,6 +156,18 @@ class Node(State):
         self.outcome = "done"
         self.output: Mapping[str, Compiled] = {}
         self._edges_of: dict[str, tuple[Edge, ...]] = {}
+
+    @property
+    def owner(self) -> Node:
+        """Whose outcome it is when what is inside ends: of an included graph, its includer's."""
+        return self.parent if self.border and self.parent else self
+
+    def outwards(self) -> Iterator[Node]:
+        """This state and those around it in the same graph."""
+        for node in (self, *self.ancestors):
+            yield node
+            if node.border:
+                return
 
     def contains(self, other: Node) -> bool:
         """Whether ``other`` lies inside, this state itself apart."""

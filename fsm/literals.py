@@ -61,6 +61,8 @@ class Context:
     """Places of the mission itself, in the mission frame."""
     world_places: frozenset[str] | None = None
     """Places of the world; None when no world is known yet."""
+    peers: frozenset[str] | None = None
+    """The vehicles of the fleet; None outside of one."""
 
 
 def read_value(node: Node, place: Type, context: Context) -> Compiled:

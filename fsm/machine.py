@@ -39,6 +39,8 @@ class Delayed:
     due: float
     id: str
     event: Event
+    to: str = ""
+    """The vehicle it is for; empty for one's own."""
 
 
 class Instance(Configuration):
@@ -133,13 +135,19 @@ class Instance(Configuration):
     def _due_sends(self) -> None:
         while self._delayed and self._delayed[0].due <= self.now + EPSILON:
             sent = self._delayed.pop(0)
-            self.post(sent.event.name, sent.event.fields)
+            if sent.to:
+                self.record("send", event=sent.event.name, to=sent.to, fields=sent.event.fields)
+                self.host.send(sent.event.name, sent.event.fields, sent.to)
+            else:
+                self.post(sent.event.name, sent.event.fields)
 
     # -- events -----------------------------------------------------------------------------
 
-    def send(self, name: str, fields: Mapping[str, Any], delay: float, id_: str) -> None:
-        """Queue an event for a later period."""
-        self._delayed.append(Delayed(self.now + delay, id_, Event(name, dict(fields))))
+    def send(
+        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+    ) -> None:
+        """Queue an event for a later period, or for another vehicle."""
+        self._delayed.append(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
         self._delayed.sort(key=lambda sent: sent.due)
 
     def cancel(self, id_: str) -> None:
@@ -227,6 +235,10 @@ class Instance(Configuration):
             return select(self._leaves, choose, outer_first)
         # An outcome goes from its state outwards, never to another region; `done` stays.
         asked = (owner,) if name == "done" else chain(owner, outer_first)
+        if name not in ("done", "failed"):
+            # Nor, but for `failed`, out of an included graph.
+            within = tuple(owner.outwards())
+            asked = [node for node in asked if node in within]
         edge = next((edge for node in asked if (edge := choose(node)) is not None), None)
         return [] if edge is None else [edge]
 
@@ -293,8 +305,14 @@ class Instance(Configuration):
 
     def _behaviors(self) -> None:
         for node in self._behaving:
+            for given in node.given:
+                if given.live is not None:
+                    value = self.evaluate(given.live, {}, None)
+                    if value is not None:
+                        self.slots[given.slot] = value
             invocation = node.invocation
-            assert invocation is not None
+            if invocation is None:
+                continue
             running = self._running.get(node.index) or self._begin(node)
             if running.ended or running.activity is None:
                 continue

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from pathlib import Path
 from typing import cast
 
+from fsm.faults import Faults
 from fsm.spec import (
     ActionKind,
     ActionSpec,
@@ -22,14 +22,15 @@ from fsm.spec import (
 from fsm.words import (
     ACTIONS,
     FINAL_KEYS,
+    GRAPH_KEYS,
     HISTORY_KEYS,
     NOT_YET,
     ROOT_KEYS,
     STATE_KEYS,
     TRANSITION_KEYS,
 )
-from vencejo.errors import Fault, UserError, Where, nearest
-from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind, read_file, read_text
+from vencejo.errors import UserError, Where, nearest
+from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind
 
 LANGUAGE = 1
 MAX_STATE_DEPTH = 64
@@ -42,36 +43,25 @@ _TRIGGER = re.compile(r"\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?")
 _DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
 
 
-def read_mission(path: Path, shown_as: str | None = None) -> MissionSpec:
-    """The mission of a file. Raises UserError with all mistakes of form at once."""
-    return mission_of(read_file(path, shown_as), shown_as or str(path), path.stem)
-
-
-def read_mission_text(text: str, file: str = "mission.yaml") -> MissionSpec:
-    """The mission of a text. Raises UserError with all mistakes of form at once."""
-    return mission_of(read_text(text, file), file, Path(file).stem)
-
-
-def mission_of(node: Mapping, file: str, name: str) -> MissionSpec:
-    reader = _Reader()
-    spec = reader.mission(node, file, name)
-    if reader.faults:
-        raise UserError.of(reader.faults)
-    return spec
+def spec_of(node: Mapping, file: str, name: str, faults: Faults) -> MissionSpec:
+    """The mission of a file's nodes; every mistake of form goes to ``faults``."""
+    return _Reader(faults).mission(node, file, name)
 
 
 class _Reader:
     """Collects faults while it reads, so that one look shows them all."""
 
-    def __init__(self) -> None:
-        self.faults: list[Fault] = []
+    def __init__(self, faults: Faults) -> None:
+        self.fail = faults.fail
 
-    def fail(self, code: str, message: str, where: Where, hint: str | None = None) -> None:
-        self.faults.append(Fault(code, message, where, hint))
-
-    def mission(self, node: Mapping, file: str, stem: str) -> MissionSpec:
-        known = ROOT_KEYS | STATE_KEYS
-        self.keys(node, known, "a mission")
+    def mission(
+        self, node: Mapping, file: str, stem: str, inside: Where | None = None
+    ) -> MissionSpec:
+        """A whole file, or the graph that begins at ``inside`` in one."""
+        if inside is None:
+            self.keys(node, ROOT_KEYS | STATE_KEYS, "a mission")
+        else:
+            self.keys(node, GRAPH_KEYS | STATE_KEYS, "a graph")
         name = self.named_scalar(node, "mission", _MISSION_NAME, "letters, digits, - and _")
         language = node.get("language")
         if isinstance(language, Scalar) and language.text != str(LANGUAGE):
@@ -80,18 +70,18 @@ class _Reader:
                 f"this version reads language {LANGUAGE}, not {language.text}",
                 language.where,
             )
-        if node.get("states") is None and not any(node.get(key) for key in NOT_YET):
+        if node.get("states") is None and node.get("include") is None:
             self.fail(
                 "no-states",
-                "a mission needs `states`",
-                node.where,
+                f"a {'graph' if inside else 'mission'} needs `states`",
+                inside or node.where,
                 "see `drone-cli new` for a start",
             )
         priority = self.choice(node, "priority", ("inner", "outer")) or "inner"
         return MissionSpec(
             name=name.text if name else stem,
             file=file,
-            root=self.state("", node, node.where, 0),
+            root=self.state("", node, inside or node.where, 0),
             description=self.text(node, "description"),
             world=self.scalar(node, "world"),
             uses=self.scalars(node, "uses"),
@@ -100,7 +90,19 @@ class _Reader:
             events=self.named(node, "events", _EVENT),
             outer_first=priority == "outer",
             node=node,
+            graphs=self.graphs(node, file) if inside is None else (),
         )
+
+    def graphs(self, node: Mapping, file: str) -> tuple[MissionSpec, ...]:
+        found = []
+        for name, value in self.map(node, "graphs"):
+            if not _NAME.fullmatch(name.text):
+                self.fail("bad-name", f"'{name.text}' is not a name", name.where)
+            if isinstance(value, Mapping):
+                found.append(self.mission(value, file, name.text, name.where))
+            else:
+                self.fail("wrong-type", f"a graph is a map, not {kind(value)}", value.where)
+        return tuple(found)
 
     # -- states -----------------------------------------------------------------------------
 
@@ -110,7 +112,7 @@ class _Reader:
             raise UserError("too-deep", f"states nest at most {MAX_STATE_DEPTH} deep", where)
         types = ("parallel",) if root else ("parallel", "final", "history")
         declared = self.choice(node, "type", types)
-        type_ = cast(StateType, declared or ("compound" if node.get("states") else "atomic"))
+        type_ = cast(StateType, declared or self.usual_type(node))
         allowed = {"final": FINAL_KEYS, "history": HISTORY_KEYS}.get(type_, STATE_KEYS)
         if not root:
             self.keys(node, allowed, f"a {declared} state" if declared else "a state")
@@ -120,6 +122,11 @@ class _Reader:
         for key in ("with", "live", "as"):
             if node.get(key) and not node.get("do") and not node.get("include"):
                 self.fail("no-behaviour", f"`{key}` needs a `do`", self.where(node, key))
+        for key in ("do", "as", "states", "type"):
+            if node.get("include") and node.get(key):
+                message = f"`{key}` and `include` do not go together"
+                hint = "put the `include` into a state of its own"
+                self.fail("misplaced-include", message, self.where(node, key), hint)
         return StateSpec(
             name=name,
             where=where,
@@ -135,13 +142,18 @@ class _Reader:
             with_=self.named(node, "with", _NAME),
             live=self.named(node, "live", _NAME),
             as_=self.named_scalar(node, "as", _NAME, "letters, digits and _"),
+            include=self.scalar(node, "include"),
             triggers=self.triggers(node),
             states=states,
             outcome=self.outcome(node),
             output=self.named(node, "output", _NAME),
             deep=self.boolean(node, "deep"),
             target=self.scalar(node, "target") if type_ == "history" else None,
+            breakpoint=self.boolean(node, "breakpoint"),
         )
+
+    def usual_type(self, node: Mapping) -> StateType:
+        return "compound" if node.get("states") or node.get("include") else "atomic"
 
     def states(self, node: Mapping, depth: int) -> tuple[StateSpec, ...]:
         children = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from vencejo.errors import Where
@@ -77,12 +77,14 @@ class StateSpec:
     with_: tuple[Named, ...] = ()
     live: tuple[Named, ...] = ()
     as_: Scalar | None = None
+    include: Scalar | None = None
     triggers: tuple[TriggerSpec, ...] = ()
     states: tuple[StateSpec, ...] = ()
     outcome: str = "done"
     output: tuple[Named, ...] = ()
     deep: bool = False
     target: Scalar | None = None
+    breakpoint: bool = False
 
     def walk(self) -> Iterator[StateSpec]:
         """This state and all inside it, in document order."""
@@ -93,7 +95,7 @@ class StateSpec:
 
 @dataclass(frozen=True, slots=True)
 class MissionSpec:
-    """A whole file."""
+    """A whole file, or a graph kept inside one."""
 
     name: str
     file: str
@@ -106,3 +108,18 @@ class MissionSpec:
     events: tuple[Named, ...] = ()
     outer_first: bool = False
     node: Mapping | None = None
+    graphs: tuple[MissionSpec, ...] = ()
+    """Those kept in this file, by their names."""
+    included: dict[str, MissionSpec] = field(default_factory=dict)
+    """What each word after ``include`` stands for; filled by :mod:`fsm.includes`."""
+
+    def closure(self) -> list[MissionSpec]:
+        """This graph and all that it includes, each once, the outer ones first."""
+        found: dict[int, MissionSpec] = {}
+        pending = [self]
+        while pending:
+            spec = pending.pop()
+            if id(spec) not in found:
+                found[id(spec)] = spec
+                pending.extend(reversed(spec.included.values()))
+        return list(found.values())

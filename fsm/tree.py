@@ -2,25 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from fsm.faults import Faults
 from fsm.graph import Node, entry_set
-from fsm.spec import StateSpec
+from fsm.reader import MAX_STATE_DEPTH
+from fsm.spec import MissionSpec, StateSpec
 from vencejo.errors import UserError, nearest
 from vencejo.nodes import Scalar
+
+MAX_STATES = 10_000
+"""Of a mission with all it includes; twenty files can ask for a million."""
 
 
 class Tree:
     """The nodes of a mission in document order, each with its spec and a first slot."""
 
-    def __init__(self, root: StateSpec, first_slot: int, faults: Faults) -> None:
+    def __init__(self, mission: MissionSpec, first_slot: int, faults: Faults) -> None:
         self.faults = faults
         self.nodes: list[Node] = []
         self.specs: dict[int, StateSpec] = {}
         self.first_slot = first_slot
-        self.root = self.grow(root, None, "")
+        self.graphs: dict[int, MissionSpec] = {}
+        """The graph that begins at a state."""
+        self.root = self.begin(mission, None, "", "")
         self.link()
 
-    def grow(self, spec: StateSpec, parent: Node | None, path: str) -> Node:
+    def begin(self, mission: MissionSpec, parent: Node | None, name: str, path: str) -> Node:
+        """The root of a graph, with all inside."""
+        self.graphs[len(self.nodes)] = mission
+        node = self.grow(replace(mission.root, name=name), parent, path + name, mission)
+        node.border = True
+        return node
+
+    def grow(
+        self, spec: StateSpec, parent: Node | None, path: str, mission: MissionSpec
+    ) -> Node:
+        if len(self.nodes) >= MAX_STATES:
+            message = f"with all includes there are more than {MAX_STATES} states"
+            raise UserError("too-many-states", message, spec.where)
         node = Node(spec.name, path, spec.type, len(self.nodes), spec.where)
         node.parent = parent
         node.ancestors = (parent, *parent.ancestors) if parent else ()
@@ -30,10 +50,20 @@ class Tree:
         node.entered_slot = self.first_slot + node.index
         self.nodes.append(node)
         self.specs[node.index] = spec
-        node.children = tuple(
-            self.grow(child, node, f"{path}.{child.name}" if path else child.name)
-            for child in spec.states
-        )
+        if spec.include is not None:
+            # A name that no target can say: the border is not crossed by accident.
+            if len(node.ancestors) > MAX_STATE_DEPTH:
+                message = f"with all includes, states nest more than {MAX_STATE_DEPTH} deep"
+                raise UserError("too-deep", message, spec.include.where)
+            included = mission.included[spec.include.text]
+            node.children = (self.begin(included, node, f":{included.name}", path),)
+        else:
+            # The states of an included graph are known by the state that includes it.
+            prefix = path.partition(":")[0] if spec.name.startswith(":") else path
+            node.children = tuple(
+                self.grow(child, node, f"{prefix}.{child.name}" if prefix else child.name, mission)
+                for child in spec.states
+            )
         node.last = len(self.nodes) - 1
         return node
 
@@ -60,9 +90,10 @@ class Tree:
             return ()
         if spec.initial is None:
             return (first,)
-        found = self.inside(node, spec.initial.text)
+        place = first if first.border else node
+        found = self.inside(place, spec.initial.text)
         if found is None:
-            names = [child.local_name for child in node.children]
+            names = [child.local_name for child in place.children]
             hint = nearest(spec.initial.text, names)
             self.faults.fail(
                 "unknown-target",
@@ -114,12 +145,17 @@ class Tree:
                         "unknown-target",
                         f"there is no state '{rest}' in '{found.path}'",
                         scalar.where,
-                        nearest(rest, [child.local_name for child in found.children]),
+                        "what is included is entered as a whole; `initial` says where it begins"
+                        if found.children and found.children[0].border
+                        else nearest(rest, [child.local_name for child in found.children]),
                     )
                 return target
-            place = place.parent
+            place = None if place.border else place.parent
         visible = {
-            child.local_name for node in (source, *source.ancestors) for child in node.children
+            child.local_name
+            for node in source.outwards()
+            for child in node.children
+            if not child.border
         }
         raise UserError(
             "unknown-target",
@@ -130,7 +166,7 @@ class Tree:
 
     def warn_hidden(self, found: Node, place: Node, scalar: Scalar) -> None:
         """A state further out has the same name as the one that a target means."""
-        for outer in place.ancestors:
+        for outer in place.outwards():
             for other in outer.children:
                 if other.local_name == found.local_name and other is not found:
                     self.faults.warn(
@@ -144,7 +180,7 @@ class Tree:
 def domain_of(source: Node, targets: tuple[Node, ...], reenter: bool) -> Node:
     """The state whose inside a transition leaves: SCXML's LCCA, or the source it stays within."""
     within = all(source.contains(target) for target in targets)
-    if within and source.parent is None:
+    if within and source.border:
         return source
     if within and not reenter and source.type == "compound":
         return source

@@ -12,8 +12,9 @@ from typing import Any, Literal, Protocol
 
 from fsm.types import Type
 
-Reaction = Literal["none", "land"]
-"""What the host does about an event that no active state handles."""
+Reaction = Literal["none", "land", "suspend", "resume"]
+"""What the host does about an event that no active state handles: nothing, end the mission with a
+landing, or suspend the mission until an event whose reaction is to resume it."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,17 @@ class Behavior:
 
 
 @dataclass(frozen=True)
+class Function:
+    """A registered function, for `call`: prompt, and never motion."""
+
+    name: str
+    help: str = ""
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    implementation: Any = None
+    """Whatever the host runs for it."""
+
+
+@dataclass(frozen=True)
 class Vocabulary:
     """Everything a graph may name that is not its own."""
 
@@ -66,6 +78,10 @@ class Vocabulary:
     """Event → what the host does when nobody handles it; what is not named gets ``land``."""
     places: frozenset[str] | None = None
     """Named places of the world, where known before the flight."""
+    functions: Mapping[str, Function] = field(default_factory=dict)
+    """What `call` may run."""
+    peers: frozenset[str] | None = None
+    """The vehicles of the fleet that the mission is part of; None when it flies alone."""
 
     def is_urgent(self, event: str) -> bool:
         return any(matches(pattern, event) for pattern in self.urgent)
@@ -119,4 +135,7 @@ class Host(Protocol):
         """Start a behaviour. Never raises: one that cannot start fails in its first step."""
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
-        """Run a registered action."""
+        """Run a registered function. Raises EvaluationError when it fails."""
+
+    def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
+        """Give an event to another vehicle."""

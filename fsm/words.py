@@ -17,8 +17,11 @@ ROOT_KEYS = frozenset(
         "parameters",
         "events",
         "priority",
+        "graphs",
     ]
 )
+GRAPH_KEYS = frozenset({"description", "places", "parameters", "events"})
+"""What a graph kept under `graphs` has, besides the keys of a state."""
 STATE_KEYS = frozenset(
     [
         "states",
@@ -33,16 +36,18 @@ STATE_KEYS = frozenset(
         "with",
         "live",
         "as",
+        "include",
         "on",
         "when",
         "after",
         "always",
         "description",
+        "breakpoint",
     ]
 )
-FINAL_KEYS = frozenset({"type", "outcome", "output", "entry", "description"})
+FINAL_KEYS = frozenset({"type", "outcome", "output", "entry", "description", "breakpoint"})
 HISTORY_KEYS = frozenset({"type", "deep", "target", "description"})
-NOT_YET = frozenset({"include", "graphs", "filters", "breakpoint", "fleet", "vehicles", "until"})
+NOT_YET = frozenset({"filters"})
 """Words of the language that this version does not fly yet."""
 TRANSITION_KEYS = frozenset({"target", "guard", "actions", "for", "reenter", "name", "description"})
 ACTIONS = frozenset(get_args(ActionKind))

@@ -187,6 +187,9 @@ class Run:
         self.activities.append(activity)
         return activity
 
+    def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
+        self.log.append(f"send {event} to {to}: {dict(fields)}")
+
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         raise LookupError(name)
 
