@@ -1,7 +1,8 @@
 """Reusable flight behaviours, and the pilot that flies a graph of them on a vehicle."""
 
+from behaviors.action import action
 from behaviors.behavior import Behavior, describe
-from behaviors.catalog import Catalog, load_uses
+from behaviors.catalog import Catalog, load_all, load_uses
 from behaviors.flight import Flight, MissionFrame
 from behaviors.params import (
     Area,
@@ -35,9 +36,11 @@ __all__ = [
     "Route",
     "Thresholds",
     "Waypoint",
+    "action",
     "describe",
     "drone_vocabulary",
     "live",
+    "load_all",
     "load_uses",
     "param",
     "value",

@@ -46,7 +46,7 @@ class DroneActivity:
             self._attach()
             self._behavior.start(flight, progress)
         except Exception as error:
-            self.failure = _failed(_story(error))
+            self.failure = _failed(story(error))
 
     def _resolve(self, values: Mapping[str, Any]) -> dict[str, Any]:
         frame, parameters = self._flight.frame, self.info.parameters
@@ -78,7 +78,7 @@ class DroneActivity:
                     setattr(self._behavior.params, name, value)
             ended = self._behavior.step(self._flight)
         except Exception as error:
-            return _failed(_story(error))
+            return _failed(story(error))
         if ended is None:
             return None
         outcome = Outcome(ended) if isinstance(ended, str) else ended
@@ -102,7 +102,7 @@ class DroneActivity:
         try:
             self._behavior.stop(self._flight)
         except Exception as error:
-            self._post("error.execution", {"message": _story(error), "where": self.info.name})
+            self._post("error.execution", {"message": story(error), "where": self.info.name})
 
 
 def _as_fields(record: Any) -> dict[str, Any]:
@@ -117,7 +117,7 @@ def _failed(reason: str) -> Outcome:
     return Outcome("failed", {"reason": reason})
 
 
-def _story(error: Exception) -> str:
+def story(error: Exception) -> str:
     """What went wrong, with the line of the behaviour's own file but no path of this machine."""
     if isinstance(error, EvaluationError):
         return str(error)

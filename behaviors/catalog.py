@@ -6,14 +6,16 @@ import hashlib
 import importlib.util
 import sys
 import traceback
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TypeGuard
 
+from behaviors.action import describe_action, is_action
 from behaviors.behavior import Behavior, describe
 from fsm.vocabulary import Behavior as BehaviorInfo
+from fsm.vocabulary import Function
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Scalar
 
@@ -42,26 +44,43 @@ class Catalog(Mapping[str, BehaviorInfo]):
         return len({*self._points, *self._known})
 
 
-def load_uses(files: Sequence[Scalar], folder: Path) -> dict[str, BehaviorInfo]:
-    """The behaviours in the Python files that a mission names under ``uses``.
+Own = dict[str, BehaviorInfo | Function]
+"""Behaviours and functions of one's own, by name."""
+
+
+def load_uses(files: Sequence[Scalar], folder: Path) -> Own:
+    """What is in the Python files that a mission names under ``uses``.
 
     Runs those files; only ones inside the mission's folder are accepted. Raises UserError.
     """
-    found: dict[str, BehaviorInfo] = {}
-    for scalar in files:
-        for info in _behaviors_in(scalar, folder):
+    return load_all([(scalar, folder) for scalar in files])
+
+
+def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
+    """What is in Python files, each named in a file of that folder; one named twice runs once."""
+    found: Own = {}
+    seen: set[Path] = set()
+    for scalar, folder in files:
+        path = (folder / scalar.text).resolve()
+        if path in seen:
+            continue
+        seen.add(path)
+        for info in _contents(scalar, folder):
+            what = "behaviour" if isinstance(info, BehaviorInfo) else "function"
             if info.name in Catalog() or info.name in found:
                 raise UserError(
                     "name-taken",
-                    f"'{scalar.text}' has a behaviour '{info.name}', but there is one already",
+                    f"'{scalar.text}' has a {what} '{info.name}', but there is one already",
                     scalar.where,
-                    "give the class another name, or set its `name`",
+                    "give the class another name, or set its `name`"
+                    if what == "behaviour"
+                    else "give the function another name",
                 )
             found[info.name] = info
     return found
 
 
-def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
+def _contents(scalar: Scalar, folder: Path) -> list[BehaviorInfo | Function]:
     name, where = scalar.text, scalar.where
     path = (folder / name).resolve()
     if not path.is_relative_to(folder.resolve()):
@@ -85,7 +104,11 @@ def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
         spec.loader.exec_module(module)
         # A class that has two names in its file is still one behaviour.
         own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))
-        behaviors = [describe(behavior) for behavior in own]
+        functions = dict.fromkeys(filter(is_action, vars(module).values()))
+        found: list[BehaviorInfo | Function] = [
+            *map(describe, own),
+            *(describe_action(f) for f in functions if f.__module__ == module.__name__),
+        ]
     except (Exception, SystemExit) as error:
         del sys.modules[module_name]
         raise UserError(
@@ -94,10 +117,10 @@ def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
             Where(name, _line_in(error, path), 1),
             f"named under `uses` at {where}",
         ) from None
-    if not behaviors:
+    if not found:
         hint = "write `class Circle(Behavior): …`, with `from behaviors import Behavior`"
         raise UserError("no-behaviour", f"there is no behaviour in '{name}'", where, hint)
-    return behaviors
+    return found
 
 
 def _is_own(thing: object, module: ModuleType) -> TypeGuard[type[Behavior]]:

@@ -120,11 +120,16 @@ def _si(number: Any, unit: str) -> Any:
     return in_unit(float(number), unit) if unit and plain and abs(number) < inf else number
 
 
-def _type(annotation: Any, spec: ParamSpec) -> Type:
+def type_of(annotation: Any) -> Type:
+    """The type of the language that a Python annotation stands for."""
     options = typing.get_args(annotation)
     if type(None) in options:
         annotation = reduce(or_, (option for option in options if option is not type(None)))
-    type_ = _TYPES.get(annotation, ANY)
+    return _TYPES.get(annotation, ANY)
+
+
+def _type(annotation: Any, spec: ParamSpec) -> Type:
+    type_ = type_of(annotation)
     if isinstance(type_, Number):
         low, high = _si(spec.min, spec.unit), _si(spec.max, spec.unit)
         return Number(_dimension(spec.unit), low, high, type_.whole)

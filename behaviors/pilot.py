@@ -12,10 +12,11 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
-from behaviors.activity import DroneActivity
+from behaviors.activity import DroneActivity, story
 from behaviors.flight import Flight, MissionFrame
 from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
+from fsm.functions import EvaluationError
 from fsm.graph import Graph
 from fsm.machine import Instance
 from fsm.vocabulary import Behavior
@@ -94,8 +95,15 @@ class Pilot:
         return DroneActivity(behavior, parameters, progress, self.flight, self.instance.post)
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
-        """Run a registered action (see fsm.Host); there is none yet."""
-        raise LookupError(f"no action is called '{name}'")
+        """Run a registered function (see fsm.Host)."""
+        try:
+            self.instance.graph.vocabulary.functions[name].implementation(**arguments)
+        except Exception as error:
+            raise EvaluationError(story(error)) from error
+
+    def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
+        """Give an event to another vehicle (see fsm.Host); this one flies alone."""
+        self.instance.record("undelivered", event=event, to=to)
 
     # -- the period -------------------------------------------------------------------------
 
@@ -132,10 +140,20 @@ class Pilot:
             self._land()
 
     def _react(self) -> None:
-        """The host's own reaction to what no active state handled: hold, land, ``failed``."""
+        """The host's own reaction to what no active state handled.
+
+        Hold, land and ``failed``; or suspend the mission, and hold.
+        """
         if not self.instance.reactions:
             return
-        name, fields = self.instance.reactions[0]
+        reactions, self.instance.reactions = self.instance.reactions, []
+        reaction = self.instance.graph.vocabulary.reaction
+        landing = [event for event in reactions if reaction(event[0]) == "land"]
+        if not landing:
+            self.instance.record("reaction", event=reactions[0][0], does="suspend")
+            self.instance.suspend()
+            return
+        name, fields = landing[0]
         detail = fields.get("reason") or fields.get("message")
         self.reason = f"nothing handled {name}" + (f": {detail}" if detail else "")
         self.instance.record("reaction", event=name, does="land")

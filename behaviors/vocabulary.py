@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from behaviors.catalog import Catalog
 from fsm.types import BOOL, POINT, TEXT, MapOf, Number, Type
-from fsm.vocabulary import Behavior, Reaction, Vocabulary
+from fsm.vocabulary import Behavior, Function, Reaction, Vocabulary
 from hal.vehicle import Observation
 from vencejo.geometry import Point
 from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME
@@ -32,8 +32,8 @@ REACTIONS: Mapping[str, Reaction] = MappingProxyType(
     {
         "battery.low": "none",
         "link.restored": "none",
-        "operator.takeover": "none",
-        "operator.release": "none",
+        "operator.takeover": "suspend",
+        "operator.release": "resume",
     }
 )
 """Everything else that is urgent or failed, and that nobody handles, lands the vehicle."""
@@ -108,14 +108,20 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
 
 
 def drone_vocabulary(
-    own: Mapping[str, Behavior] | None = None, places: Iterable[str] | None = None
+    own: Mapping[str, Behavior | Function] | None = None,
+    places: Iterable[str] | None = None,
+    peers: Iterable[str] | None = None,
 ) -> Vocabulary:
     """The vocabulary of drone missions.
 
-    ``own`` are behaviours beside the mission; ``places`` the world's, None when it is not known.
+    ``own`` are behaviours and functions beside the mission; ``places`` the world's, None when it
+    is not known; ``peers`` the vehicles of the fleet, None outside of one.
     """
+    own = own or {}
     return Vocabulary(
-        behaviors=Catalog(own),
+        behaviors=Catalog({n: known for n, known in own.items() if isinstance(known, Behavior)}),
+        functions={n: known for n, known in own.items() if isinstance(known, Function)},
+        peers=None if peers is None else frozenset(peers),
         names={"vehicle": MapOf(VEHICLE)},
         events=EVENTS,
         urgent=URGENT,

@@ -10,8 +10,10 @@ from typing import Any
 import click
 
 from cli import missions
+from cli.fleet import faults_of_fleet
 from cli.options import MissionName
 from cli.prepare import prepare
+from fsm.reader import FLEET
 from vencejo.errors import Fault, UserError
 
 
@@ -45,9 +47,19 @@ def _report(mission: str, world: str | None) -> dict[str, Any]:
     try:
         prepared = prepare(missions.find(mission), world)
     except UserError as error:
+        if error.code == FLEET:
+            return _fleet(mission, world)
         return {"mission": mission, "faults": list(error.faults)}
     graph = prepared.graph
     return {"mission": mission, "states": len(graph.nodes) - 1, "faults": list(graph.warnings)}
+
+
+def _fleet(mission: str, world: str | None) -> dict[str, Any]:
+    try:
+        faults, states = faults_of_fleet(missions.find(mission), world)
+    except UserError as error:
+        return {"mission": mission, "faults": list(error.faults)}
+    return {"mission": mission, "states": states, "fleet": True, "faults": faults}
 
 
 def _shown(fault: Fault) -> dict[str, Any]:
@@ -60,4 +72,5 @@ def _print(report: dict[str, Any], wrong: bool) -> None:
     if wrong:
         click.echo(f"{report['mission']}: {len(report['faults'])} to mend", err=True)
     else:
-        click.echo(f"{report['mission']}: may fly, {report['states']} states")
+        what = "a fleet without mistakes" if "fleet" in report else "may fly"
+        click.echo(f"{report['mission']}: {what}, {report['states']} states")

@@ -157,6 +157,7 @@ def _facts(plan: Plan, engine: str) -> dict[str, Any]:
     return {
         "mission": prepared.graph.name,
         "mission_sha256": file_hash(prepared.found.path),
+        **_included(prepared),
         "world": prepared.world.name,
         "world_sha256": prepared.world.sha256,
         "seed": plan.seed,
@@ -165,6 +166,13 @@ def _facts(plan: Plan, engine: str) -> dict[str, Any]:
         "engine": engine,
         "vencejo": __version__,
     }
+
+
+def _included(prepared: Prepared) -> dict[str, Any]:
+    """Hashes of what else a person wrote, by names from the mission's folder."""
+    first, *others = prepared.files
+    named = {file.relative_to(first.parent).as_posix(): file_hash(file) for file in others}
+    return {"files_sha256": named} if named else {}
 
 
 def versions() -> dict[str, str]:

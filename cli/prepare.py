@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
-from behaviors import drone_vocabulary, load_uses
+from behaviors import drone_vocabulary, load_all
+from behaviors.catalog import Own
 from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, read_mission
 from vencejo.errors import Where
+from vencejo.nodes import Scalar
 from worlds import World, find_world
 
 DEFAULT_WORLD = "empty"
@@ -35,21 +38,47 @@ def prepare(found: Found, world: str | None = None) -> Prepared:
     """
     spec = read_mission(found.path, found.shown_as)
     folder = found.path.parent
-    word, where = _world_word(spec, folder, world)
+    word, where = world_word(spec.world, folder, world)
     place = find_world(word, where)
-    vocabulary = drone_vocabulary(load_uses(spec.uses, folder), place.places)
+    vocabulary = drone_vocabulary(uses(spec, found.path), place.places)
     graph = compile_mission(spec, vocabulary)
-    files = (found.path, *(folder / scalar.text for scalar in spec.uses))
+    files = (found.path, *_others(spec, found.path))
     return Prepared(found, spec, graph, place, word, files)
 
 
-def _world_word(spec: MissionSpec, folder: Path, given: str | None) -> tuple[str, Where | None]:
+def uses(spec: MissionSpec, path: Path) -> Own:
+    """What is in the Python files that a mission and all it includes name. Runs them."""
+    return load_all(
+        (scalar, _path(graph, spec, path).parent)
+        for graph in spec.closure()
+        for scalar in graph.uses
+    )
+
+
+def _path(graph: MissionSpec, spec: MissionSpec, path: Path) -> Path:
+    """Where the file of a graph lies, from where that of its mission does: both are shown alike."""
+    return path.parent / PurePosixPath(graph.file).relative_to(PurePosixPath(spec.file).parent)
+
+
+def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
+    """The files that a mission includes and uses, each once."""
+    found: dict[Path, None] = {}
+    for graph in spec.closure():
+        file = _path(graph, spec, path)
+        found[file] = None
+        found.update(dict.fromkeys(file.parent / scalar.text for scalar in graph.uses))
+    del found[path]
+    yield from found
+
+
+def world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
+    """The world to fly in, by ``--world`` or as a file in ``folder`` names it."""
     if given is not None:
         return given, Where("--world")
-    if spec.world is None:
+    if named is None:
         return DEFAULT_WORLD, None
-    word = spec.world.text
+    word = named.text
     if word.endswith((".yaml", ".yml")):
         # A world's file is named from where the mission lies, not from where one happens to be.
-        return str(folder / word), spec.world.where
-    return word, spec.world.where
+        return str(folder / word), named.where
+    return word, named.where

@@ -75,10 +75,13 @@ class Recorder:
         )
         self._telemetry.write(TELEMETRY_COLUMNS + "\n")
 
-    def keep(self, files: Iterable[Path]) -> None:
-        """Copy what a person wrote, as flown."""
+    def keep(self, files: Iterable[Path], base: Path) -> None:
+        """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
         for path in files:
-            shutil.copyfile(path, self.folder / path.name)
+            inside = path.is_relative_to(base)
+            copy = self.folder / (path.relative_to(base) if inside else path.name)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, copy)
 
     def header(self, facts: Mapping[str, Any]) -> None:
         """The first line: what makes this run what it is."""

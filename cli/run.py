@@ -99,7 +99,8 @@ def _fly(plan: Plan, speed: float | None, runs_dir: Path, as_json: bool) -> dict
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         made.append(Recorder(new_folder(runs_dir, stamp, plan.prepared.graph.name)))
-        made[0].keep([*plan.prepared.files, plan.prepared.world.source])
+        made[0].keep(plan.prepared.files, plan.prepared.found.path.parent)
+        made[0].keep([plan.prepared.world.source], plan.prepared.world.source.parent)
         return made[0]
 
     try:

@@ -286,11 +286,10 @@ class _Compiler:
 
     def actions(self, specs: tuple[ActionSpec, ...], scope: Scope) -> tuple[Action, ...]:
         found: list[Action] = []
+        context, events = self.own.context(scope), self.own.events
         for spec in specs:
             with self.faults.collecting():
-                found.append(
-                    actions.compile_action(spec, self.own.context(scope), self.own.events, self.vocabulary)
-                )
+                found.append(actions.compile_action(spec, context, events, self.vocabulary))
         return tuple(found)
 
     def edges(self, node: Node, trigger: TriggerSpec, scope: Scope) -> tuple[Edge, ...]:

@@ -19,12 +19,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsm.configuration import NOTHING, Configuration, Event, Record, Running
+from fsm.conversion import convert
 from fsm.functions import FAILURES
 from fsm.graph import Edge, Graph, Invocation, Node, default_entry, entry_set
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
+from fsm.suspension import WAKING, shift_clocks, stop_behaviors
 from fsm.vocabulary import Host, Outcome
 from fsm.waiting import EPSILON, Armed, Timer
+from vencejo.errors import UserError, nearest
 
 __all__ = ["FAILURES", "Event", "Instance", "Record"]
 
@@ -56,6 +59,8 @@ class Instance(Configuration):
         self._urgent: deque[Event] = deque()
         self._external: deque[Event] = deque()
         self._delayed: list[Delayed] = []
+        self.suspended_at: float | None = None
+        """When it was suspended; none while it runs."""
 
     def is_controlled(self, resource: str) -> bool:
         """Whether a behaviour that is at work controls ``motion`` (or another resource)."""
@@ -96,6 +101,11 @@ class Instance(Configuration):
         """
         self.slots[TIME_SLOT] = now
         self.slots[FIRST_HOST_SLOT : FIRST_HOST_SLOT + len(host_values)] = host_values
+        if self.suspended_at is not None:
+            reaction = self.graph.vocabulary.reaction
+            if not any(reaction(event.name) in WAKING for event in self._urgent):
+                return
+            self.resume()
         self.period_number += 1
         if self._delayed:
             # Before the start: what is sent with no delay is heard in a later period.
@@ -121,6 +131,37 @@ class Instance(Configuration):
         for node in reversed(self.active):
             self._exit(node, NOTHING)
         self._settle(())
+
+    def suspend(self) -> None:
+        """Let nothing go on after this period, until :meth:`resume` or an event that wakes it."""
+        if self.suspended_at is None and not self.ended:
+            self.suspended_at = self.now
+            stop_behaviors(self)
+            self.record("suspend")
+
+    def resume(self) -> None:
+        """Go on as if no time had passed; behaviours start again from their progress."""
+        if self.suspended_at is not None:
+            shift_clocks(self, self.now - self.suspended_at)
+            self.suspended_at = None
+            self.record("resume")
+
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Change a parameter of the mission in flight; it counts from the next evaluation.
+
+        Raises UserError for an unknown one, and for a value that it may not have.
+        """
+        parameter = self.graph.parameters.get(name)
+        if parameter is None:
+            message = f"{self.graph.name} has no parameter '{name}'"
+            hint = nearest(name, self.graph.parameters)
+            raise UserError("unknown-parameter", message, None, hint)
+        try:
+            value = convert(value, parameter.type)
+        except FAILURES as error:
+            raise UserError("wrong-value", f"{name}: {error}") from None
+        self.slots[self.graph.parameter_slots[name]] = value
+        self.record("parameter", name=name, value=value)
 
     def _start(self) -> None:
         if self.active or self.ended:
@@ -185,7 +226,7 @@ class Instance(Configuration):
     def _must_react(self, event: Event) -> bool:
         name = event.name
         if name == "failed" or name.startswith("error.") or self.graph.vocabulary.is_urgent(name):
-            return self.graph.vocabulary.reaction(name) != "none"
+            return self.graph.vocabulary.reaction(name) in ("land", "suspend")
         return False
 
     def _stabilise(self) -> None:

@@ -33,6 +33,8 @@ from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind
 
 LANGUAGE = 1
+FLEET = "not-a-mission"
+"""The code of the fault that a file is a fleet."""
 MAX_STATE_DEPTH = 64
 
 _STATE_NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -58,6 +60,14 @@ class _Reader:
         self, node: Mapping, file: str, stem: str, inside: Where | None = None
     ) -> MissionSpec:
         """A whole file, or the graph that begins at ``inside`` in one."""
+        fleet = node.get("fleet")
+        if fleet is not None and inside is None:
+            raise UserError(
+                FLEET,
+                f"'{file}' is a fleet, and fleets do not fly yet",
+                fleet.where,
+                "`drone-cli check` checks it; `drone-cli run` flies one of its missions by itself",
+            )
         if inside is None:
             self.keys(node, ROOT_KEYS | STATE_KEYS, "a mission")
         else:

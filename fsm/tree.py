@@ -35,9 +35,7 @@ class Tree:
         node.border = True
         return node
 
-    def grow(
-        self, spec: StateSpec, parent: Node | None, path: str, mission: MissionSpec
-    ) -> Node:
+    def grow(self, spec: StateSpec, parent: Node | None, path: str, mission: MissionSpec) -> Node:
         if len(self.nodes) >= MAX_STATES:
             message = f"with all includes there are more than {MAX_STATES} states"
             raise UserError("too-many-states", message, spec.where)

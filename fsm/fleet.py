@@ -1,0 +1,155 @@
+"""Fleets: several missions that fly together, by one clock. They are read and checked here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from fsm.expressions import compile_expression
+from fsm.faults import Faults
+from fsm.graph import Graph
+from fsm.includes import inside, read_mission
+from fsm.literals import Context
+from fsm.parameters import constant_value
+from fsm.scope import TIME_SLOT, Binding, Scope, start
+from fsm.spec import MissionSpec
+from fsm.types import BOOL, MapOf, Number
+from vencejo.errors import UserError, Where, nearest
+from vencejo.nodes import Mapping as MapNode
+from vencejo.nodes import Node, Scalar, kind, read_file
+from vencejo.units import TIME
+
+FLEET_KEYS = frozenset({"fleet", "description", "world", "vehicles", "until"})
+VEHICLE_KEYS = frozenset({"mission", "with"})
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Member:
+    """One vehicle of a fleet and what it flies."""
+
+    name: Scalar
+    spec: MissionSpec
+    path: Path
+    with_: MapNode
+
+
+@dataclass(frozen=True)
+class FleetSpec:
+    """A fleet's file."""
+
+    name: str
+    file: str
+    members: tuple[Member, ...] = ()
+    world: Scalar | None = None
+    until: Scalar | None = None
+    names: frozenset[str] = frozenset()
+    """Of all its vehicles, those with a broken mission too."""
+
+
+def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faults]:
+    """A fleet with all its missions that can be read, and the mistakes of form of all files.
+
+    Raises UserError when the fleet's own file cannot be read at all.
+    """
+    shown = shown_as or str(path)
+    node, faults = read_file(path, shown), Faults()
+    _keys(node, FLEET_KEYS, "a fleet", faults)
+    scalars = {key: _text(node, key, faults) for key in ("fleet", "world", "until", "description")}
+    vehicles = node.get("vehicles")
+    members: list[Member] = []
+    entries = vehicles.entries if isinstance(vehicles, MapNode) else []
+    if not entries:
+        hint = "vehicles: {name: {mission: file.yaml}}"
+        faults.fail("no-vehicles", "a fleet needs `vehicles`", node.where, hint)
+    for name, value in entries:
+        with faults.collecting():
+            members.append(_member(name, value, path.parent, shown, faults))
+    fleet = scalars["fleet"]
+    spec = FleetSpec(
+        fleet.text if fleet else path.stem,
+        shown,
+        tuple(members),
+        scalars["world"],
+        scalars["until"],
+        frozenset(name.text for name, _ in entries),
+    )
+    return spec, faults
+
+
+def check_fleet(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Faults:
+    """What is wrong between a fleet and its compiled missions."""
+    faults, scope = Faults(), Scope()
+    scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
+    for member in spec.members:
+        graph = graphs.get(member.name.text)
+        if graph is not None:
+            _parameters(member, graph, faults)
+        host = MapOf(graph.vocabulary.names) if graph else MapOf()
+        with faults.collecting():
+            name, where = member.name.text, member.name.where
+            scope.declare(Binding(name, "host", host, where=where), where)
+    if spec.until is not None:
+        with faults.collecting():
+            compile_expression(spec.until.text, start(spec.until), scope, BOOL)
+    return faults
+
+
+def _parameters(member: Member, graph: Graph, faults: Faults) -> None:
+    given = set()
+    for key, value in member.with_:
+        given.add(key.text)
+        parameter = graph.parameters.get(key.text)
+        if parameter is None:
+            message = f"{graph.name} has no parameter '{key.text}'"
+            hint = nearest(key.text, graph.parameters)
+            faults.fail("unknown-parameter", message, key.where, hint)
+            continue
+        with faults.collecting():
+            constant_value(value, parameter.type, Context())
+    for parameter in graph.parameters.values():
+        if parameter.required and parameter.name not in given:
+            message = f"'{graph.name}' needs the parameter '{parameter.name}' ({parameter.type})"
+            hint = f"with: {{{parameter.name}: …}}"
+            faults.fail("missing-parameter", message, member.name.where, hint)
+
+
+def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) -> Member:
+    if not _NAME.fullmatch(name.text):
+        hint = "a small letter, then small letters, digits and _"
+        faults.fail("bad-name", f"'{name.text}' is no name for a vehicle", name.where, hint)
+    if not isinstance(node, MapNode):
+        raise UserError("wrong-type", f"a vehicle is a map, not {kind(node)}", node.where)
+    _keys(node, VEHICLE_KEYS, "a vehicle", faults)
+    word = _text(node, "mission", faults)
+    if word is None:
+        message, hint = f"'{name.text}' has no mission", "mission: file.yaml"
+        raise UserError("missing-key", message, name.where, hint)
+    path = inside(folder, word, "a fleet's mission")
+    if not path.is_file():
+        files = [file.relative_to(folder).as_posix() for file in folder.glob("**/*.y*ml")]
+        message = f"there is no file '{word.text}'"
+        raise UserError("no-such-file", message, word.where, nearest(word.text, files))
+    with_ = node.get("with") or MapNode([], node.where)
+    if not isinstance(with_, MapNode):
+        raise UserError("wrong-type", f"`with` is a map, not {kind(with_)}", with_.where)
+    spec = read_mission(path, str(PurePosixPath(shown).parent / word.text))
+    return Member(name, spec, path, with_)
+
+
+def _keys(node: MapNode, known: frozenset[str], what: str, faults: Faults) -> None:
+    for key, _ in node:
+        if key.text not in known:
+            hint = nearest(key.text, known)
+            faults.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+
+
+def _text(node: MapNode, key: str, faults: Faults) -> Scalar | None:
+    value = node.get(key)
+    if value is None or (isinstance(value, Scalar) and not value.null):
+        return value if isinstance(value, Scalar) else None
+    where: Where = value.where
+    faults.fail("wrong-type", f"`{key}` is a text, not {kind(value)}", where)
+    return None
