@@ -77,11 +77,11 @@ def _ends(node: Node) -> set[str]:
     """The outcomes that the children of a compound state give it."""
     if node.owner is not node:
         return set()
-    (first, *_) = node.children
-    if first.border and first.type == "parallel":
-        return {"done"} if _can_finish(first) else set()
-    children = first.children if first.border else node.children
-    return {child.outcome for child in children if child.type == "final"}
+    while node.children and node.children[0].border:
+        (node,) = node.children
+    if node.type == "parallel":
+        return {"done"} if _can_finish(node) else set()
+    return {child.outcome for child in node.children if child.type == "final"}
 
 
 def _can_finish(node: Node) -> bool:

@@ -15,7 +15,7 @@ from fsm.literals import Context
 from fsm.parameters import constant_value
 from fsm.scope import TIME_SLOT, Binding, Scope, start
 from fsm.spec import MissionSpec
-from fsm.types import BOOL, MapOf, Number
+from fsm.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind, read_file
@@ -82,6 +82,9 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
 def check_fleet(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Faults:
     """What is wrong between a fleet and its compiled missions."""
     faults, scope = Faults(), Scope()
+    for name in spec.names - {member.name.text for member in spec.members}:
+        # Its mission cannot be read, which is a fault already.
+        scope.names[name] = Binding(name, "host", ANY)
     scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
     for member in spec.members:
         graph = graphs.get(member.name.text)

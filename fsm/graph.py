@@ -160,7 +160,7 @@ class Node(State):
     @property
     def owner(self) -> Node:
         """Whose outcome it is when what is inside ends: of an included graph, its includer's."""
-        return self.parent if self.border and self.parent else self
+        return self.parent.owner if self.border and self.parent else self
 
     def outwards(self) -> Iterator[Node]:
         """This state and those around it in the same graph."""

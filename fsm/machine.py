@@ -177,8 +177,7 @@ class Instance(Configuration):
         while self._delayed and self._delayed[0].due <= self.now + EPSILON:
             sent = self._delayed.pop(0)
             if sent.to:
-                self.record("send", event=sent.event.name, to=sent.to, fields=sent.event.fields)
-                self.host.send(sent.event.name, sent.event.fields, sent.to)
+                self._deliver(sent.event.name, sent.event.fields, sent.to)
             else:
                 self.post(sent.event.name, sent.event.fields)
 
@@ -187,9 +186,17 @@ class Instance(Configuration):
     def send(
         self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
     ) -> None:
-        """Queue an event for a later period, or for another vehicle."""
+        """Queue an event for a later period, or give it to the host for another vehicle."""
+        if to and delay <= 0:
+            # At once: this may be the last thing that the mission does.
+            self._deliver(name, fields, to)
+            return
         self._delayed.append(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
         self._delayed.sort(key=lambda sent: sent.due)
+
+    def _deliver(self, name: str, fields: Mapping[str, Any], to: str) -> None:
+        self.record("send", event=name, to=to, fields=dict(fields))
+        self.host.send(name, fields, to)
 
     def cancel(self, id_: str) -> None:
         """Take back what was sent with this id and is not due."""

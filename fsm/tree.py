@@ -134,7 +134,8 @@ class Tree:
         first, _, rest = scalar.text.partition(".")
         place: Node | None = source
         while place is not None:
-            found = next((child for child in place.children if child.local_name == first), None)
+            named = (child for child in place.children if child.local_name == first)
+            found = next((child for child in named if not child.border), None)
             if found is not None:
                 self.warn_hidden(found, place, scalar)
                 target = self.inside(found, rest) if rest else found

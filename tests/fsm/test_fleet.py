@@ -1,0 +1,99 @@
+"""Fleets: read and checked; and what one vehicle sends to another."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fsm import compile_mission
+from fsm.fleet import check_fleet, read_fleet
+from tests.fsm.toy import VOCABULARY, Run
+from vencejo.errors import UserError
+
+CAT = """\
+parameters: {limit: 1 s, speed: {type: speed}}
+states:
+  a: {after: {limit: {target: b, actions: {send: {event: game.over, to: mouse, with: {by: cat}}}}}}
+  b: {type: final}
+"""
+MOUSE = """\
+events: {game.over: {by: text}}
+states: {a: {on: {game.over: b}}, b: {type: final}}
+"""
+FLEET = """\
+fleet: chase
+world: yard
+vehicles:
+  cat: {mission: cat.yaml, with: {speed: 2 m/s}}
+  mouse: {mission: mouse.yaml}
+until: time > 200 s or cat.vehicle.altitude > 3 m
+"""
+
+
+def faults(folder: Path, fleet: str = FLEET, cat: str = CAT, mouse: str = MOUSE) -> list[str]:
+    for name, text in (("fleet", fleet), ("cat", cat), ("mouse", mouse)):
+        (folder / f"{name}.yaml").write_text(text)
+    spec, found = read_fleet(folder / "fleet.yaml", "fleet.yaml")
+    vocabulary = replace(VOCABULARY, peers=spec.names)
+    graphs = {}
+    for member in spec.members:
+        with found.collecting():
+            graphs[member.name.text] = compile_mission(member.spec, vocabulary)
+    found.extend(check_fleet(spec, graphs))
+    return [f"{fault.where}: {fault.code}" for fault in found]
+
+
+def test_a_fleet_without_mistakes(tmp_path: Path) -> None:
+    assert faults(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("speed: 2", "sped: 2", ["fleet.yaml:4:35: unknown-parameter", "fleet.yaml:4:3: missing-parameter"]),
+        ("2 m/s", "2 s", ["fleet.yaml:4:42: wrong-dimension"]),
+        ("cat.yaml", "cta.yaml", ["fleet.yaml:4:18: no-such-file"]),
+        ("cat.yaml", "../cat.yaml", ["fleet.yaml:4:18: outside-folder"]),
+        ("mission: mouse.yaml", "misson: mouse.yaml", ["fleet.yaml:5:11: unknown-key", "fleet.yaml:5:3: missing-key"]),
+        ("time > 200 s", "tim > 200 s", ["fleet.yaml:6:8: unknown-name"]),
+        ("200 s", "200 m", ["fleet.yaml:6:8: wrong-dimension"]),
+        ("  mouse:", "  mouze:", ["cat.yaml:3:73: unknown-vehicle"]),
+        ("until", "untill", ["fleet.yaml:6:1: unknown-key"]),
+        ("cat.yaml", "fleet.yaml", ["fleet.yaml:1:8: not-a-mission"]),
+    ],
+)  # fmt: skip
+def test_faults_of_a_fleet(tmp_path: Path, old: str, new: str, found: list[str]) -> None:
+    assert faults(tmp_path, FLEET.replace(old, new)) == found
+
+
+def test_faults_of_its_missions_are_told(tmp_path: Path) -> None:
+    broken = CAT.replace("target: b", "target: c")
+    assert faults(tmp_path, cat=broken, mouse=MOUSE + "what: 1\n") == [
+        "mouse.yaml:3:1: unknown-key",
+        "cat.yaml:3:31: unknown-target",
+    ]
+
+
+def test_a_fleet_needs_vehicles(tmp_path: Path) -> None:
+    assert faults(tmp_path, "fleet: none\n") == ["fleet.yaml:1:1: no-vehicles"]
+
+
+def test_what_is_sent_to_another_vehicle_is_the_hosts_to_deliver() -> None:
+    run = Run(CAT, parameters={"limit": 0.05})
+    run.run(3)
+    assert run.instance.outcome == "done"
+    assert run.log == ["send game.over to mouse: {'by': 'cat'}"]
+    later = CAT.replace("to: mouse", "delay: 50 ms, to: mouse").replace("{type: final}", "{after: {1 s: a}}")
+    run = Run(later, parameters={"limit": 0.05})
+    run.run(4)
+    assert run.log == []
+    run.run()
+    assert run.log == ["send game.over to mouse: {'by': 'cat'}"]
+
+
+def test_a_receiver_has_a_name() -> None:
+    with pytest.raises(UserError) as error:
+        Run(CAT.replace("to: mouse", "to: $limit"))
+    assert error.value.code == "bad-name"
