@@ -19,15 +19,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsm.configuration import NOTHING, Configuration, Event, Record, Running
-from fsm.conversion import convert
 from fsm.functions import FAILURES
 from fsm.graph import Edge, Graph, Invocation, Node, default_entry, entry_set
+from fsm.parameters import checked_value
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
 from fsm.suspension import WAKING, shift_clocks, stop_behaviors
 from fsm.vocabulary import Host, Outcome
 from fsm.waiting import EPSILON, Armed, Timer
-from vencejo.errors import UserError, nearest
 
 __all__ = ["FAILURES", "Event", "Instance", "Record"]
 
@@ -151,15 +150,7 @@ class Instance(Configuration):
 
         Raises UserError for an unknown one, and for a value that it may not have.
         """
-        parameter = self.graph.parameters.get(name)
-        if parameter is None:
-            message = f"{self.graph.name} has no parameter '{name}'"
-            hint = nearest(name, self.graph.parameters)
-            raise UserError("unknown-parameter", message, None, hint)
-        try:
-            value = convert(value, parameter.type)
-        except FAILURES as error:
-            raise UserError("wrong-value", f"{name}: {error}") from None
+        value = checked_value(self.graph, name, value)
         self.slots[self.graph.parameter_slots[name]] = value
         self.record("parameter", name=name, value=value)
 

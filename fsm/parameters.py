@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
+from fsm.conversion import convert
 from fsm.expressions import Compiled
 from fsm.faults import Faults
+from fsm.functions import FAILURES
 from fsm.graph import Graph
 from fsm.literals import Context, read_value
 from fsm.scope import Scope
@@ -51,6 +53,21 @@ def parse_parameters(graph: Graph, given: Mapping[str, str]) -> dict[str, Any]:
     if faults:
         raise UserError.of(faults)
     return values
+
+
+def checked_value(graph: Graph, name: str, value: Any) -> Any:
+    """A value for a parameter that is changed in flight.
+
+    Raises UserError for an unknown parameter, and for a value that it may not have.
+    """
+    parameter = graph.parameters.get(name)
+    if parameter is None:
+        message = f"{graph.name} has no parameter '{name}'"
+        raise UserError("unknown-parameter", message, None, nearest(name, graph.parameters))
+    try:
+        return convert(value, parameter.type)
+    except FAILURES as error:
+        raise UserError("wrong-value", f"{name}: {error}") from None
 
 
 def _given(text: str, type_: Type, place: Where) -> Any:

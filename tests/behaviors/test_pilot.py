@@ -459,3 +459,32 @@ def test_the_same_flight_twice_leaves_the_same_records() -> None:
         rig.run(60)
         runs.append((rig.records, rig.vehicle.commands))
     assert runs[0] == runs[1]
+
+
+# -- the operator takes over --------------------------------------------------------------------
+
+
+def test_a_takeover_suspends_the_mission_until_release() -> None:
+    rig = Rig(mission("{do: goto, with: {to: [20, 0, 3]}, on: {done: land, blocked: land}}"))
+    rig.until_in("fly")
+    rig.run(3)
+    rig.pilot.instance.post("operator.takeover")
+    rig.run(1)
+    assert rig.last == Hold()
+    held = rig.vehicle.position
+    rig.run(5)
+    assert distance(rig.vehicle.position, held) < 1.0
+    assert rig.pilot.instance.paths() == ["fly"]
+    rig.pilot.instance.post("operator.release")
+    rig.until_in("land")
+    assert rig.vehicle.position.x == pytest.approx(20, abs=0.5)
+
+
+def test_an_abort_lands_a_suspended_mission() -> None:
+    rig = Rig(mission("{after: {60 s: land}}"))
+    rig.until_in("fly")
+    rig.pilot.instance.post("operator.takeover")
+    rig.run(1)
+    rig.pilot.abort()
+    rig.run(20)
+    assert (rig.pilot.outcome, rig.pilot.finished) == ("aborted", True)

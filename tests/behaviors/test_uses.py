@@ -138,3 +138,58 @@ def test_names_are_taken_once(tmp_path: Path) -> None:
         CLIMB.replace("class ClimbTo", "class Land").replace("ClimbTo", "Land")
     )
     assert refusal(tmp_path, "c.py").code == "name-taken"
+
+
+LEDS = """
+from behaviors import action
+
+said = []
+
+@action
+def leds(color: str, rate: float = 1.0) -> None:
+    if color == "grey":
+        raise OSError("no such light")
+    said.append((color, rate))
+
+def helper(): ...
+"""
+CALLS = """
+states:
+  a: {entry: {call: {leds: {color: %s}}}, on: {error.execution: c}, after: {50 ms: b}}
+  b: {type: final}
+  c: {type: final, outcome: broken}
+"""
+
+
+@pytest.mark.parametrize(
+    ("color", "outcome", "said"), [("red", "done", [("red", 1.0)]), ("grey", "broken", [])]
+)
+def test_an_action_is_called(
+    tmp_path: Path, color: str, outcome: str, said: list[tuple[str, float]]
+) -> None:
+    (tmp_path / "leds.py").write_text(LEDS)
+    own = load_uses(named("leds.py"), tmp_path)
+    assert list(own) == ["leds"]
+    rig = Rig(CALLS % color, own=own)
+    rig.run(1)
+    implementation = own["leds"].implementation
+    assert (rig.pilot.outcome, implementation.__globals__["said"]) == (outcome, said)
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "hint"),
+    [
+        ("led", "unknown-function", "did you mean 'leds'?"),
+        ("leds", "missing-key", None),
+        ("{leds: {colour: red}}", "unknown-key", "did you mean 'color'?"),
+        ("{leds: {color: red, rate: fast}}", "wrong-type", None),
+        ("helper", "unknown-function", "known: leds"),
+    ],
+)
+def test_a_call_is_checked(tmp_path: Path, call: str, code: str, hint: str | None) -> None:
+    (tmp_path / "leds.py").write_text(LEDS)
+    own = load_uses(named("leds.py"), tmp_path)
+    with pytest.raises(UserError) as raised:
+        Rig(CALLS.replace("{leds: {color: %s}}", call), own=own)
+    (fault,) = raised.value.faults
+    assert (fault.code, fault.hint) == (code, hint)

@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (a mission stands in one line with what becomes of it)
 """Fleets: read and checked; and what one vehicle sends to another."""
 
 from __future__ import annotations
@@ -85,7 +86,9 @@ def test_what_is_sent_to_another_vehicle_is_the_hosts_to_deliver() -> None:
     run.run(3)
     assert run.instance.outcome == "done"
     assert run.log == ["send game.over to mouse: {'by': 'cat'}"]
-    later = CAT.replace("to: mouse", "delay: 50 ms, to: mouse").replace("{type: final}", "{after: {1 s: a}}")
+    later = CAT.replace("to: mouse", "delay: 50 ms, to: mouse").replace(
+        "{type: final}", "{after: {1 s: a}}"
+    )
     run = Run(later, parameters={"limit": 0.05})
     run.run(4)
     assert run.log == []

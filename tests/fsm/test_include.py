@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (a mission stands in one line with what becomes of it)
 """Graphs inside graphs: names, parameters, outcomes, borders, files."""
 
 from __future__ import annotations
@@ -50,9 +51,7 @@ def files(folder: Path, **texts: str) -> Path:
     return folder / "m.yaml"
 
 
-def flown(
-    folder: Path, script: Mapping[str, list[str | None]] | None = None, **texts: str
-) -> Run:
+def flown(folder: Path, script: Mapping[str, list[str | None]] | None = None, **texts: str) -> Run:
     graph = compile_mission(read_mission(files(folder, **texts), "m.yaml"), VOCABULARY)
     assert graph.warnings == ()
     return Run("", script, graph=graph)
@@ -96,7 +95,9 @@ def test_a_flight_through_two_includes_of_one_file(tmp_path: Path) -> None:
 def test_what_two_includes_of_one_file_have_they_do_not_share(tmp_path: Path) -> None:
     run = flown(tmp_path, m=TWICE, scan=SCAN)
     north, south = run.graph.by_path["north:scan"], run.graph.by_path["south:scan"]
-    slots = [{*(g.slot for g in root.given), *(d.slot for d in root.data)} for root in (north, south)]
+    slots = [
+        {*(g.slot for g in root.given), *(d.slot for d in root.data)} for root in (north, south)
+    ]
     assert len(slots[0]) == 4 and not slots[0] & slots[1]
 
 

@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (a mission stands in one line with what becomes of it)
 """Live Robot Programming's example programs, as graphs: every construct of it can be said."""
 
 from __future__ import annotations
@@ -107,9 +108,10 @@ def test_a_search_widens_by_a_variable_of_its_own_state() -> None:
     assert states[:16] == ["lookleft"] * 3 + ["returnleft"] * 4 + ["lookright"] * 4 + [
         "returnright"
     ] * 4 + ["lookleft"]
-    assert states[15:44] == ["lookleft"] * 8 + ["returnleft"] * 8 + ["lookright"] * 8 + [
-        "returnright"
-    ] * 5
+    assert (
+        states[15:44]
+        == ["lookleft"] * 8 + ["returnleft"] * 8 + ["lookright"] * 8 + ["returnright"] * 5
+    )
     assert robot.value("span") == 0.2
     robot.sees(light=20)
     assert robot.run(2) == ["moving"]
@@ -215,7 +217,7 @@ def test_a_counter_brake(name: str, centred: str, go: str, brake: str) -> None:
 def test_an_outer_transition_pre_empts_an_inner_timeout() -> None:
     robot = Robot("tag_navigator", {"takingoff": ["done"]})
     robot.run(2)
-    assert robot.run(2, altitude=0.75) == ["go.looking.hovering"]
+    assert robot.run(2, altitude=0.7) == ["go.looking.hovering"]
     # The timeout of five seconds and the tag come together: the outer one wins.
     robot.run(197)
     assert robot.sees(visible=True).run(1) == ["go.looking.hovering"]
@@ -223,7 +225,7 @@ def test_an_outer_transition_pre_empts_an_inner_timeout() -> None:
     assert robot.sees(oriented=True).run(2) == ["go.stabilizing"]
     robot.instance.set_parameter("tmove", 0.1)
     assert robot.run(202) == ["go.moving"]
-    assert robot.run(4) == ["go.looking.orienting"]
+    assert robot.run(2) == ["go.looking.hovering"]
 
 
 def test_exit_actions_run_whoever_takes_over() -> None:

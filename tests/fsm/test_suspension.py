@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (a mission stands in one line with what becomes of it)
 """Suspending a mission, and parameters that change in flight."""
 
 from __future__ import annotations
