@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from transitions.core import Condition, EventData, State, Transition
 
+from fsm.active import Active
 from fsm.expressions import Compiled
 from fsm.spec import StateType, TriggerKind
 from fsm.types import Type
@@ -91,6 +93,13 @@ class Edge(Transition):
         self.hold: Compiled | None = None
         self.reenter = False
 
+    @cached_property
+    def step(self) -> dict[str, Any]:
+        """What is recorded when it is taken."""
+        by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
+        step = {"by": by, "from": self.node.path, "to": [target.path for target in self.targets]}
+        return {**step, "name": self.label} if self.label else step
+
 
 @dataclass(frozen=True, slots=True)
 class When:
@@ -139,7 +148,20 @@ class Node(State):
         self.afters: tuple[After, ...] = ()
         self.outcome = "done"
         self.output: Mapping[str, Compiled] = {}
+        self.entering = ("enter", {"state": path})
+        self.leaving = ("exit", {"state": path})
+        """What is recorded when it is entered and left."""
         self._edges_of: dict[str, tuple[Edge, ...]] = {}
+
+    @property
+    def mask(self) -> int:
+        """The bit of this state."""
+        return 1 << self.index
+
+    @property
+    def inside(self) -> int:
+        """The bits of all states inside, this one apart."""
+        return (1 << self.last + 1) - (1 << self.index + 1)
 
     def contains(self, other: Node) -> bool:
         """Whether ``other`` lies inside, this state itself apart."""
@@ -189,11 +211,15 @@ class Graph:
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     by_path: Mapping[str, Node] = field(default_factory=dict)
+    visited: dict[int, Active] = field(default_factory=dict, repr=False)
+    """Configurations that instances have been in, by their masks (see :mod:`fsm.active`)."""
 
     def callbacks(self, functions: Iterable[Any], event_data: EventData) -> None:
         """Run `transitions` callbacks with the event's data."""
         for function in functions:
-            self.resolve_callable(function, event_data)(event_data)
+            if isinstance(function, str):
+                function = self.resolve_callable(function, event_data)
+            function(event_data)
 
     def resolve_callable(self, function: Any, event_data: EventData) -> Any:
         """A callback itself, or the model's method of that name; nothing is ever imported."""

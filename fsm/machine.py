@@ -94,7 +94,7 @@ class Instance(Configuration):
         """
         self.slots[TIME_SLOT] = now
         self.slots[FIRST_HOST_SLOT : FIRST_HOST_SLOT + len(host_values)] = host_values
-        self.period_number += 1
+        self._entered_before = self._entry_count
         if self._delayed:
             # Before the start: what is sent with no delay is heard in a later period.
             self._due_sends()
@@ -106,26 +106,27 @@ class Instance(Configuration):
                 if self.ended:
                     return
                 self._macrostep(queue.popleft())
-        if not self.ended and (self._waiting or self._internal):
+        if not self.ended and (self._here.waiting or self._internal):
             self._world_round()
         if not self.ended:
-            if self._always_doing:
+            if self._here.throughout:
                 self._throughout()
             self._behaviors()
 
     def stop(self, outcome: str = "stopped") -> None:
         """End the run: leave all states, inner ones first, with their exit actions."""
         self.outcome = self.outcome or outcome
+        self._hooks = None
         for node in reversed(self.active):
             self._exit(node, NOTHING)
-        self._settle(())
+        self._settle(0)
 
     def _start(self) -> None:
         if self.active or self.ended:
             return
         root = self.graph.root
         entered = [root, *entry_set(root, default_entry(root), self._recorded)]
-        self._settle(entered)
+        self._settle(sum(node.mask for node in entered))
         for node in entered:
             self._enter(node, NOTHING)
         self._stabilise()
@@ -159,12 +160,13 @@ class Instance(Configuration):
         ):
             return False
         edges = self._select(event)
-        fields: dict[str, Any] = {"name": event.name}
+        shown: dict[str, Any] = {"name": event.name}
         if owner is not None:
-            fields["state"] = owner.path
+            shown["state"] = owner.path
         if event.fields:
-            fields["fields"] = event.fields
-        self.record("event", **fields, taken=bool(edges))
+            shown["fields"] = event.fields
+        shown["taken"] = bool(edges)
+        self.records.append(("event", shown))
         if edges:
             self._microstep(edges, event)
         elif owner is self.graph.root:
@@ -216,23 +218,28 @@ class Instance(Configuration):
 
     # -- selection --------------------------------------------------------------------------
 
-    def _select(self, event: Event) -> list[Edge]:
+    def _select(self, event: Event) -> Sequence[Edge]:
         name, owner, outer_first = event.name, event.owner, self.graph.outer_first
         vocabulary = self.graph.vocabulary
 
         def choose(node: Node) -> Edge | None:
             return self._first_passing(node.edges_for(name, vocabulary), event)
 
+        if owner is None and len(self._here.leaves) == 1:
+            edge = self._first_passing(self._here.asked(name), event)
+            return () if edge is None else (edge,)
         if owner is None:
-            return select(self._leaves, choose, outer_first)
+            return select(self._here.leaves, choose, outer_first)
         # An outcome goes from its state outwards, never to another region; `done` stays.
         asked = (owner,) if name == "done" else chain(owner, outer_first)
         edge = next((edge for node in asked if (edge := choose(node)) is not None), None)
-        return [] if edge is None else [edge]
+        return () if edge is None else (edge,)
 
-    def _pick_always(self) -> list[Edge]:
+    def _pick_always(self) -> Sequence[Edge]:
+        if not self._here.always:
+            return ()
         return select(
-            self._leaves,
+            self._here.leaves,
             lambda node: self._first_passing(node.always, NOTHING) if node.always else None,
             self.graph.outer_first,
         )
@@ -242,14 +249,14 @@ class Instance(Configuration):
     def _world_round(self) -> None:
         """One round over the states active since before this period."""
         offers: dict[int, tuple[Edge, Armed | Timer]] = {}
-        for node in self._waiting:
-            if self._entered_in[node.index] < self.period_number:
+        for node in self._here.waiting:
+            if self._entries[node.index] <= self._entered_before:
                 offer = self._world_offer(node)
                 if offer is not None:
                     offers[node.index] = offer
         if offers:
             edges = select(
-                self._leaves,
+                self._here.leaves,
                 lambda node: offers[node.index][0] if node.index in offers else None,
                 self.graph.outer_first,
             )
@@ -287,12 +294,12 @@ class Instance(Configuration):
     # -- throughout and behaviours ----------------------------------------------------------
 
     def _throughout(self) -> None:
-        for node in self._always_doing:
+        for node in self._here.throughout:
             self._run(node.throughout, NOTHING)
         self._defer()
 
     def _behaviors(self) -> None:
-        for node in self._behaving:
+        for node in self._here.behaving:
             invocation = node.invocation
             assert invocation is not None
             running = self._running.get(node.index) or self._begin(node)
