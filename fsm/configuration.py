@@ -120,7 +120,10 @@ class Configuration:
         self._internal.append(Event(name, dict(fields)))
 
     def _first_passing(self, edges: Iterable[Edge], event: Event) -> Edge | None:
-        return next((edge for edge in edges if self._passes(edge, event)), None)
+        for edge in edges:
+            if self._passes(edge, event):
+                return edge
+        return None
 
     def _passes(self, edge: Edge, event: Event) -> bool:
         if edge.prepare:
@@ -130,10 +133,12 @@ class Configuration:
         guard = edge.guard
         if guard is not None and self.evaluate(guard, event.fields, False) is not True:
             return False
-        if len(edge.conditions) > (guard is not None):
-            data = self._event_data(edge, event)
-            return all(condition.check(data) for condition in edge.conditions)
-        return True
+        return len(edge.conditions) == (guard is not None) or self._others_pass(edge, event)
+
+    def _others_pass(self, edge: Edge, event: Event) -> bool:
+        """Whether the conditions pass that somebody added to the edge."""
+        data = self._event_data(edge, event)
+        return all(condition.check(data) for condition in edge.conditions)
 
     # -- microsteps -------------------------------------------------------------------------
 
@@ -151,8 +156,8 @@ class Configuration:
                 self.graph.callbacks(edge.before, self._event_data(edge, event))
         mask = here.mask
         for node in leaving:
-            self._exit(node, event)
             mask ^= node.mask
+            self._exit(node, event)
         for edge in edges:
             self.records.append(("transition", edge.step))
             if edge.actions:
@@ -212,7 +217,7 @@ class Configuration:
             slots[node.invocation.slot] = node.invocation.behavior.blank
         self.records.append(node.entering)
         if node.on_enter:
-            self.graph.callbacks(node.on_enter, self._hooked(event))
+            self._call(node.on_enter, event)
         if node.entry:
             self._run(node.entry, event)
         if node.whens:
@@ -261,7 +266,7 @@ class Configuration:
         if node.exit_actions:
             self._run(node.exit_actions, event)
         if node.on_exit:
-            self.graph.callbacks(node.on_exit, self._hooked(event))
+            self._call(node.on_exit, event)
         if node.invocation is not None:
             running = self._running.pop(index, None)
             if running is not None and running.activity is not None:
@@ -332,11 +337,15 @@ class Configuration:
         configuration: int = self.slots[CONFIGURATION_SLOT]
         return bool(configuration >> node.index & 1)
 
-    def _hooked(self, event: Event) -> EventData:
-        """What entry and exit callbacks are given: one value for a whole microstep."""
-        if self._hooks is None:
-            self._hooks = self._event_data(None, event)
-        return self._hooks
+    def _call(self, callbacks: Iterable[Any], event: Event) -> None:
+        """Run entry or exit callbacks; all of a microstep are given one value."""
+        data = self._hooks
+        if data is None:
+            data = self._hooks = self._event_data(None, event)
+        for callback in callbacks:
+            if isinstance(callback, str):
+                callback = self.graph.resolve_callable(callback, data)
+            callback(data)
 
     def _event_data(self, edge: Edge | None, event: Event) -> EventData:
         # `transitions` asks for its own machine and event here; ours offer what callbacks use.

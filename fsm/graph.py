@@ -126,6 +126,7 @@ class Node(State):
         self.path = path
         self.type = type_
         self.index = index
+        self.mask = 1 << index
         self.where = where
         self.description = ""
         self.parent: Node | None = None
@@ -152,16 +153,6 @@ class Node(State):
         self.leaving = ("exit", {"state": path})
         """What is recorded when it is entered and left."""
         self._edges_of: dict[str, tuple[Edge, ...]] = {}
-
-    @property
-    def mask(self) -> int:
-        """The bit of this state."""
-        return 1 << self.index
-
-    @property
-    def inside(self) -> int:
-        """The bits of all states inside, this one apart."""
-        return (1 << self.last + 1) - (1 << self.index + 1)
 
     def contains(self, other: Node) -> bool:
         """Whether ``other`` lies inside, this state itself apart."""

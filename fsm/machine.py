@@ -149,7 +149,8 @@ class Instance(Configuration):
 
     def _macrostep(self, event: Event) -> bool:
         taken = self._offer(event)
-        self._stabilise()
+        if self._internal or self._here.always:
+            self._stabilise()
         return taken
 
     def _offer(self, event: Event) -> bool:
