@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from fsm.conversion import convert
 from fsm.expressions import Compiled
 from fsm.functions import as_text, bounded
 from fsm.graph import Action
@@ -128,10 +127,10 @@ def _set(spec: ActionSpec, context: Context) -> Action:
     def run(instance: Any, event: dict[str, Any]) -> None:
         slots = instance.slots
         # All right sides first, so that {a: $b, b: $a} swaps.
-        values = [bounded(convert(value(slots, event), v.type)) for v, value in assignments]
+        values = [bounded(value.function(slots, event)) for _, value in assignments]
         for (variable, _), value in zip(assignments, values, strict=True):
             slots[variable.slot] = value
-            instance.record("set", name=variable.name, value=value)
+            instance.records.append(("set", {"name": variable.name, "value": value}))
 
     return Action("set", spec.where, run)
 

@@ -112,10 +112,12 @@ def _endless_states(graph: Graph) -> Iterator[Fault]:
 
 def _beside(graph: Graph, node: Node) -> Iterator[Node]:
     """The states that can be active together with one: itself, those around it, other regions'."""
-    for other in graph.nodes:
-        common = next(a for a in (other, *other.ancestors) if a is node or a.contains(node))
-        if other is node or other.contains(node) or common.type == "parallel":
-            yield other
+    around = (node, *node.ancestors)
+    yield from around
+    for region, parent in pairwise(around):
+        if parent.type == "parallel":
+            yield from graph.nodes[parent.index + 1 : region.index]
+            yield from graph.nodes[region.last + 1 : parent.last + 1]
 
 
 def _leaves(edge: Edge, node: Node) -> bool:

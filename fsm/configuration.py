@@ -14,12 +14,13 @@ from typing import Any, NamedTuple
 
 from transitions.core import EventData
 
+from fsm.active import active
 from fsm.expressions import Compiled
 from fsm.functions import FAILURES
 from fsm.graph import Action, After, Edge, Graph, Node, default_entry, entry_set
 from fsm.history import Memory, Progress, remember
+from fsm.parameters import checked_value
 from fsm.scope import CONFIGURATION_SLOT, TIME_SLOT
-from fsm.selection import exit_set
 from fsm.vocabulary import Activity
 from fsm.waiting import Armed, Timer
 
@@ -59,19 +60,12 @@ class Configuration:
             self.slots[slot] = given
         self.slots[TIME_SLOT] = 0.0
         self.slots[CONFIGURATION_SLOT] = 0
-        self.active: list[Node] = []
-        """All active states in document order."""
+        self._here = active(graph, 0)
+        self._hooks: EventData | None = None
         self.outcome: str | None = None
         self.output: dict[str, Any] = {}
         self.records: list[Record] = []
         """What happened since somebody last took the list away."""
-        self.period_number = 0
-        self._leaves: list[Node] = []
-        self._waiting: list[Node] = []
-        """Active states with conditions or timers, and so on: what each period goes through."""
-        self._always_doing: list[Node] = []
-        self._behaving: list[Node] = []
-        self._entered_in: dict[int, int] = {}
         self._internal: deque[Event] = deque()
         self._running: dict[int, Running] = {}
         self._conditions: dict[int, list[Armed]] = {}
@@ -80,6 +74,8 @@ class Configuration:
         self._entries: dict[int, int] = {}
         """The number of each state's latest entry."""
         self._entry_count = 0
+        self._entered_before = 0
+        """The last entry before the present period."""
         self._memories: dict[int, Memory] = {}
         self._restoring: list[Memory] = []
         """The memories that the microstep at work gives back."""
@@ -94,12 +90,17 @@ class Configuration:
         return time
 
     @property
+    def active(self) -> Sequence[Node]:
+        """All active states in document order."""
+        return self._here.states
+
+    @property
     def ended(self) -> bool:
         return self.outcome is not None
 
     def paths(self) -> list[str]:
         """The active leaf states, in document order."""
-        return [leaf.path for leaf in self._leaves]
+        return [leaf.path for leaf in self._here.leaves]
 
     def is_active(self, path: str) -> bool:
         """Whether a state is active. Raises KeyError for a path that does not exist."""
@@ -115,52 +116,68 @@ class Configuration:
     def record(self, what: str, **fields: Any) -> None:
         self.records.append((what, fields))
 
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Change a parameter of the mission in flight; it counts from the next evaluation.
+
+        Raises UserError for an unknown one, and for a value that it may not have.
+        """
+        value = checked_value(self.graph, name, value)
+        self.slots[self.graph.parameter_slots[name]] = value
+        self.record("parameter", name=name, value=value)
+
     def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
         """Queue an event for this macrostep."""
         self._internal.append(Event(name, dict(fields)))
 
     def _first_passing(self, edges: Iterable[Edge], event: Event) -> Edge | None:
-        return next((edge for edge in edges if self._passes(edge, event)), None)
+        for edge in edges:
+            if self._passes(edge, event):
+                return edge
+        return None
 
     def _passes(self, edge: Edge, event: Event) -> bool:
         if edge.prepare:
             self.graph.callbacks(edge.prepare, self._event_data(edge, event))
+        if not edge.conditions:
+            return True
         guard = edge.guard
         if guard is not None and self.evaluate(guard, event.fields, False) is not True:
             return False
-        if len(edge.conditions) > (guard is not None):
-            data = self._event_data(edge, event)
-            return all(condition.check(data) for condition in edge.conditions)
-        return True
+        return len(edge.conditions) == (guard is not None) or self._others_pass(edge, event)
+
+    def _others_pass(self, edge: Edge, event: Event) -> bool:
+        """Whether the conditions pass that somebody added to the edge."""
+        data = self._event_data(edge, event)
+        return all(condition.check(data) for condition in edge.conditions)
 
     # -- microsteps -------------------------------------------------------------------------
 
     def _microstep(self, edges: Sequence[Edge], event: Event) -> None:
-        leaving = exit_set(self.active, edges)
+        here = self._here
+        self._hooks = None
+        leaving = self._leaving(edges)
         memories: dict[int, Memory] = {}
         if self._has_history:
-            memories = remember(leaving, self.active, self._progress)
+            memories = remember(reversed(leaving), here.states, self._progress)
             self._memories.update(memories)
-        entering = self._entry_set(edges)
+        entering = self._entering(edges)
         for edge in edges:
             if edge.before:
                 self.graph.callbacks(edge.before, self._event_data(edge, event))
-        for node in reversed(leaving):
+        mask = here.mask
+        for node in leaving:
+            mask ^= node.mask
             self._exit(node, event)
         for edge in edges:
-            step: dict[str, Any] = {"from": edge.node.path, "to": [t.path for t in edge.targets]}
-            if edge.label:
-                step["name"] = edge.label
-            self.record(
-                "transition", by=f"{edge.kind} {edge.trigger}".removesuffix(" always"), **step
-            )
-            self._run(edge.actions, event)
+            self.records.append(("transition", edge.step))
+            if edge.actions:
+                self._run(edge.actions, event)
         # Last, since exit actions and the transition's own may still have changed them.
         for memory in memories.values():
             memory.keep_data(self.slots)
-        left = {node.index for node in leaving}
-        remaining = [node for node in self.active if node.index not in left]
-        self._settle(sorted([*remaining, *entering], key=lambda node: node.index))
+        for node in entering:
+            mask |= node.mask
+        self._settle(mask)
         for node in entering:
             self._enter(node, event)
         self._restoring.clear()
@@ -168,35 +185,36 @@ class Configuration:
             if edge.after:
                 self.graph.callbacks(edge.after, self._event_data(edge, event))
 
-    def _entry_set(self, edges: Sequence[Edge]) -> list[Node]:
-        entering: dict[int, Node] = {}
-        for edge in edges:
-            if edge.domain is None:
-                continue
-            entered = edge.entered
-            if entered is None:
-                entered = tuple(entry_set(edge.domain, edge.targets, self._recorded))
-            entering.update((node.index, node) for node in entered)
-        return [entering[index] for index in sorted(entering)]
+    def _leaving(self, edges: Sequence[Edge]) -> Sequence[Node]:
+        """The states these transitions leave, inner ones first."""
+        here = self._here
+        if len(edges) == 1:
+            domain = edges[0].domain
+            return here.leaving(domain) if domain is not None else ()
+        left = {n for edge in edges if edge.domain is not None for n in here.leaving(edge.domain)}
+        return sorted(left, key=lambda node: -node.index)
 
-    def _settle(self, active: Sequence[Node]) -> None:
-        self.active = list(active)
-        self._leaves = [node for node in self.active if not node.children]
-        self._waiting = [node for node in self.active if node.whens or node.afters]
-        self._always_doing = [node for node in self.active if node.throughout]
-        self._behaving = [node for node in self.active if node.invocation or node.given]
-        mask = 0
-        for node in self.active:
-            mask |= 1 << node.index
+    def _entering(self, edges: Sequence[Edge]) -> Sequence[Node]:
+        """The states these transitions enter, outer ones first."""
+        found = [self._entered_by(edge) for edge in edges]
+        if len(found) == 1:
+            return found[0]
+        return sorted({node for nodes in found for node in nodes}, key=lambda node: node.index)
+
+    def _entered_by(self, edge: Edge) -> Sequence[Node]:
+        if edge.entered is None and edge.domain is not None:
+            return entry_set(edge.domain, edge.targets, self._recorded)
+        return edge.entered or ()
+
+    def _settle(self, mask: int) -> None:
+        self._here = active(self.graph, mask)
         self.slots[CONFIGURATION_SLOT] = mask
 
     def _enter(self, node: Node, event: Event) -> None:
         index, slots = node.index, self.slots
-        slots[node.entered_slot] = self.now
-        self._entered_in[index] = self.period_number
-        self._entry_count += 1
-        self._entries[index] = self._entry_count
-        memory = next((memory for memory in self._restoring if node in memory.kept), None)
+        slots[node.entered_slot] = slots[TIME_SLOT]
+        self._entries[index] = self._entry_count = self._entry_count + 1
+        memory = self._memory_of(node) if self._restoring else None
         if node.given:
             self._give(node)
         for data in node.data:
@@ -209,15 +227,16 @@ class Configuration:
             self._resumed[index] = memory.progress[index]
         if node.invocation and node.invocation.slot >= 0:
             slots[node.invocation.slot] = node.invocation.behavior.blank
-        self.record("enter", state=node.path)
+        self.records.append(node.entering)
         if node.on_enter:
-            self.graph.callbacks(node.on_enter, self._event_data(None, event))
-        self._run(node.entry, event)
+            self._call(node.on_enter, event)
+        if node.entry:
+            self._run(node.entry, event)
         if node.whens:
             self._conditions[index] = [Armed(when) for when in node.whens]
         if node.afters:
             self._timers[index] = [self._timer(after, event) for after in node.afters]
-        if node.type == "final":
+        if node.final:
             self._reached(node, event)
 
     def _give(self, root: Node) -> None:
@@ -233,6 +252,13 @@ class Configuration:
                     reason = f"the parameter '{given.name}' has no value: {error}"
                     self._internal.append(self._outcome(root.owner, "failed", {"reason": reason}))
             self.slots[given.slot] = given.default if value is None else value
+
+    def _refresh(self, root: Node) -> None:
+        """Give an included graph the present values of what stands under ``live``."""
+        for given in root.given:
+            if given.live is not None:
+                value = self.evaluate(given.live, {}, None)
+                self.slots[given.slot] = self.slots[given.slot] if value is None else value
 
     def _timer(self, after: After, event: Event) -> Timer:
         duration = self.evaluate(after.duration, event.fields, None)
@@ -272,19 +298,23 @@ class Configuration:
 
     def _exit(self, node: Node, event: Event) -> None:
         index = node.index
-        self._run(node.exit_actions, event)
+        if node.exit_actions:
+            self._run(node.exit_actions, event)
         if node.on_exit:
-            self.graph.callbacks(node.on_exit, self._event_data(None, event))
-        running = self._running.pop(index, None)
-        if running is not None and running.activity is not None:
-            if not running.ended:
-                self.record("stop", state=node.path)
-            running.activity.stop()
-        self._conditions.pop(index, None)
-        self._timers.pop(index, None)
-        self._resumed.pop(index, None)
-        self._finished.discard(index)
-        self.record("exit", state=node.path)
+            self._call(node.on_exit, event)
+        if node.invocation is not None:
+            running = self._running.pop(index, None)
+            if running is not None and running.activity is not None:
+                if not running.ended:
+                    self.records.append(("stop", {"state": node.path}))
+                running.activity.stop()
+            self._resumed.pop(index, None)
+            self._finished.discard(index)
+        if node.whens:
+            self._conditions.pop(index, None)
+        if node.afters:
+            self._timers.pop(index, None)
+        self.records.append(node.leaving)
 
     # -- history ----------------------------------------------------------------------------
 
@@ -294,6 +324,9 @@ class Configuration:
             # Not even started: what it was to go on from still holds.
             return self._resumed.get(node.index)
         return running.activity.progress() if running.activity and not running.ended else None
+
+    def _memory_of(self, node: Node) -> Memory | None:
+        return next((memory for memory in self._restoring if node in memory.kept), None)
 
     def _recorded(self, history: Node) -> tuple[Node, ...]:
         memory = self._memories.get(history.index)
@@ -339,11 +372,21 @@ class Configuration:
         configuration: int = self.slots[CONFIGURATION_SLOT]
         return bool(configuration >> node.index & 1)
 
+    def _call(self, callbacks: Iterable[Any], event: Event) -> None:
+        """Run entry or exit callbacks; all of a microstep are given one value."""
+        data = self._hooks
+        if data is None:
+            data = self._hooks = self._event_data(None, event)
+        for callback in callbacks:
+            if isinstance(callback, str):
+                callback = self.graph.resolve_callable(callback, data)
+            callback(data)
+
     def _event_data(self, edge: Edge | None, event: Event) -> EventData:
         # `transitions` asks for its own machine and event here; ours offer what callbacks use.
         machine: Any = self.graph
         name: Any = event.name
-        state = self._leaves[0] if self._leaves else None
+        state = self._here.leaves[0] if self._here.leaves else None
         data = EventData(state, name, machine, self, [], event.fields)
         data.transition = edge
         return data

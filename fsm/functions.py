@@ -50,6 +50,8 @@ FAILURES = (EvaluationError, ArithmeticError, TypeError, ValueError, LookupError
 
 def bounded(value: Any) -> Any:
     """A value small enough to keep. Raises EvaluationError."""
+    if isinstance(value, (int, float)) and -MAX_NUMBER < value < MAX_NUMBER:
+        return value
     size = 0
     level: list[Any] = [value]
     for _ in range(MAX_NESTING):

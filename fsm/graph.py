@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from transitions.core import Condition, EventData, State, Transition
 
+from fsm.active import Active
 from fsm.expressions import Compiled
 from fsm.spec import StateType, TriggerKind
 from fsm.types import Type
@@ -102,6 +104,13 @@ class Edge(Transition):
         self.hold: Compiled | None = None
         self.reenter = False
 
+    @cached_property
+    def step(self) -> dict[str, Any]:
+        """What is recorded when it is taken."""
+        by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
+        step = {"by": by, "from": self.node.path, "to": [target.path for target in self.targets]}
+        return {**step, "name": self.label} if self.label else step
+
 
 @dataclass(frozen=True, slots=True)
 class When:
@@ -128,6 +137,7 @@ class Node(State):
         self.path = path
         self.type = type_
         self.index = index
+        self.mask = 1 << index
         self.where = where
         self.description = ""
         self.parent: Node | None = None
@@ -155,6 +165,9 @@ class Node(State):
         self.afters: tuple[After, ...] = ()
         self.outcome = "done"
         self.output: Mapping[str, Compiled] = {}
+        self.entering = ("enter", {"state": path})
+        self.leaving = ("exit", {"state": path})
+        """What is recorded when it is entered and left."""
         self._edges_of: dict[str, tuple[Edge, ...]] = {}
 
     @property
@@ -217,11 +230,15 @@ class Graph:
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     by_path: Mapping[str, Node] = field(default_factory=dict)
+    visited: dict[int, Active] = field(default_factory=dict, repr=False)
+    """Configurations that instances have been in, by their masks (see :mod:`fsm.active`)."""
 
     def callbacks(self, functions: Iterable[Any], event_data: EventData) -> None:
         """Run `transitions` callbacks with the event's data."""
         for function in functions:
-            self.resolve_callable(function, event_data)(event_data)
+            if isinstance(function, str):
+                function = self.resolve_callable(function, event_data)
+            function(event_data)
 
     def resolve_callable(self, function: Any, event_data: EventData) -> Any:
         """A callback itself, or the model's method of that name; nothing is ever imported."""

@@ -21,7 +21,6 @@ from typing import Any
 from fsm.configuration import NOTHING, Configuration, Event, Record, Running
 from fsm.functions import FAILURES
 from fsm.graph import Edge, Graph, Invocation, Node, default_entry, entry_set
-from fsm.parameters import checked_value
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
 from fsm.suspension import WAKING, shift_clocks, stop_behaviors
@@ -105,7 +104,7 @@ class Instance(Configuration):
             if not any(reaction(event.name) in WAKING for event in self._urgent):
                 return
             self.resume()
-        self.period_number += 1
+        self._entered_before = self._entry_count
         if self._delayed:
             # Before the start: what is sent with no delay is heard in a later period.
             self._due_sends()
@@ -117,19 +116,20 @@ class Instance(Configuration):
                 if self.ended:
                     return
                 self._macrostep(queue.popleft())
-        if not self.ended and (self._waiting or self._internal):
+        if not self.ended and (self._here.waiting or self._internal):
             self._world_round()
         if not self.ended:
-            if self._always_doing:
+            if self._here.throughout:
                 self._throughout()
             self._behaviors()
 
     def stop(self, outcome: str = "stopped") -> None:
         """End the run: leave all states, inner ones first, with their exit actions."""
         self.outcome = self.outcome or outcome
+        self._hooks = None
         for node in reversed(self.active):
             self._exit(node, NOTHING)
-        self._settle(())
+        self._settle(0)
 
     def suspend(self) -> None:
         """Let nothing go on after this period, until :meth:`resume` or an event that wakes it."""
@@ -145,21 +145,12 @@ class Instance(Configuration):
             self.suspended_at = None
             self.record("resume")
 
-    def set_parameter(self, name: str, value: Any) -> None:
-        """Change a parameter of the mission in flight; it counts from the next evaluation.
-
-        Raises UserError for an unknown one, and for a value that it may not have.
-        """
-        value = checked_value(self.graph, name, value)
-        self.slots[self.graph.parameter_slots[name]] = value
-        self.record("parameter", name=name, value=value)
-
     def _start(self) -> None:
         if self.active or self.ended:
             return
         root = self.graph.root
         entered = [root, *entry_set(root, default_entry(root), self._recorded)]
-        self._settle(entered)
+        self._settle(sum(node.mask for node in entered))
         for node in entered:
             self._enter(node, NOTHING)
         self._stabilise()
@@ -195,7 +186,8 @@ class Instance(Configuration):
 
     def _macrostep(self, event: Event) -> bool:
         taken = self._offer(event)
-        self._stabilise()
+        if self._internal or self._here.always:
+            self._stabilise()
         return taken
 
     def _offer(self, event: Event) -> bool:
@@ -206,12 +198,13 @@ class Instance(Configuration):
         ):
             return False
         edges = self._select(event)
-        fields: dict[str, Any] = {"name": event.name}
+        shown: dict[str, Any] = {"name": event.name}
         if owner is not None:
-            fields["state"] = owner.path
+            shown["state"] = owner.path
         if event.fields:
-            fields["fields"] = event.fields
-        self.record("event", **fields, taken=bool(edges))
+            shown["fields"] = event.fields
+        shown["taken"] = bool(edges)
+        self.records.append(("event", shown))
         if edges:
             self._microstep(edges, event)
         elif owner is self.graph.root:
@@ -263,15 +256,18 @@ class Instance(Configuration):
 
     # -- selection --------------------------------------------------------------------------
 
-    def _select(self, event: Event) -> list[Edge]:
+    def _select(self, event: Event) -> Sequence[Edge]:
         name, owner, outer_first = event.name, event.owner, self.graph.outer_first
         vocabulary = self.graph.vocabulary
 
         def choose(node: Node) -> Edge | None:
             return self._first_passing(node.edges_for(name, vocabulary), event)
 
+        if owner is None and len(self._here.leaves) == 1:
+            edge = self._first_passing(self._here.asked(name), event)
+            return () if edge is None else (edge,)
         if owner is None:
-            return select(self._leaves, choose, outer_first)
+            return select(self._here.leaves, choose, outer_first)
         # An outcome goes from its state outwards, never to another region; `done` stays.
         asked = (owner,) if name == "done" else chain(owner, outer_first)
         if name not in ("done", "failed"):
@@ -279,11 +275,13 @@ class Instance(Configuration):
             within = tuple(owner.outwards())
             asked = [node for node in asked if node in within]
         edge = next((edge for node in asked if (edge := choose(node)) is not None), None)
-        return [] if edge is None else [edge]
+        return () if edge is None else (edge,)
 
-    def _pick_always(self) -> list[Edge]:
+    def _pick_always(self) -> Sequence[Edge]:
+        if not self._here.always:
+            return ()
         return select(
-            self._leaves,
+            self._here.leaves,
             lambda node: self._first_passing(node.always, NOTHING) if node.always else None,
             self.graph.outer_first,
         )
@@ -293,14 +291,14 @@ class Instance(Configuration):
     def _world_round(self) -> None:
         """One round over the states active since before this period."""
         offers: dict[int, tuple[Edge, Armed | Timer]] = {}
-        for node in self._waiting:
-            if self._entered_in[node.index] < self.period_number:
+        for node in self._here.waiting:
+            if self._entries[node.index] <= self._entered_before:
                 offer = self._world_offer(node)
                 if offer is not None:
                     offers[node.index] = offer
         if offers:
             edges = select(
-                self._leaves,
+                self._here.leaves,
                 lambda node: offers[node.index][0] if node.index in offers else None,
                 self.graph.outer_first,
             )
@@ -338,17 +336,14 @@ class Instance(Configuration):
     # -- throughout and behaviours ----------------------------------------------------------
 
     def _throughout(self) -> None:
-        for node in self._always_doing:
+        for node in self._here.throughout:
             self._run(node.throughout, NOTHING)
         self._defer()
 
     def _behaviors(self) -> None:
-        for node in self._behaving:
-            for given in node.given:
-                if given.live is not None:
-                    value = self.evaluate(given.live, {}, None)
-                    if value is not None:
-                        self.slots[given.slot] = value
+        for node in self._here.behaving:
+            if node.given:
+                self._refresh(node)
             invocation = node.invocation
             if invocation is None:
                 continue

@@ -1,4 +1,4 @@
-"""Which transitions are taken together: SCXML's selection, conflicts and exit sets.
+"""Which transitions are taken together: SCXML's selection and conflicts.
 
 Functions of a configuration alone (W3C recommendation of 2015, appendix D).
 """
@@ -6,8 +6,10 @@ Functions of a configuration alone (W3C recommendation of 2015, appendix D).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING
 
-from fsm.graph import Edge, Node
+if TYPE_CHECKING:
+    from fsm.graph import Edge, Node
 
 
 def select(
@@ -35,12 +37,6 @@ def chain(node: Node, outer_first: bool) -> Sequence[Node]:
     """A state and those around it, in the order in which they are asked."""
     around = (node, *node.ancestors)
     return around[::-1] if outer_first else around
-
-
-def exit_set(active: Iterable[Node], edges: Iterable[Edge]) -> list[Node]:
-    """The active states that these transitions leave, in document order."""
-    domains = [edge.domain for edge in edges if edge.domain is not None]
-    return [node for node in active if any(domain.contains(node) for domain in domains)]
 
 
 def _without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
