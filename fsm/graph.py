@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from transitions.core import Condition, EventData, State, Transition
 
+from fsm.digest import digest_of
 from fsm.expressions import Compiled
-from fsm.spec import StateType, TriggerKind
+from fsm.spec import MissionSpec, StateType, TriggerKind
 from fsm.types import Type
 from fsm.vocabulary import Behavior, Parameter, Vocabulary, matches
 from vencejo.errors import Fault, Where
@@ -189,6 +191,13 @@ class Graph:
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     by_path: Mapping[str, Node] = field(default_factory=dict)
+    source: MissionSpec | None = None
+    """What it was compiled from."""
+
+    @cached_property
+    def digest(self) -> str:
+        """A hash of what the mission says; saved runs and records know it by this."""
+        return "" if self.source is None else digest_of(self.source)
 
     def callbacks(self, functions: Iterable[Any], event_data: EventData) -> None:
         """Run `transitions` callbacks with the event's data."""
