@@ -58,12 +58,18 @@ class DroneActivity:
         """One that goes on where another had come to; relative points stay where they were."""
         position, yaw = saved["start"]
         start = flight.observation._replace(position=position, yaw=yaw)
-        return cls(info, saved["with"], saved["progress"], flight, post, start)
+        activity = cls(info, saved["with"], saved["progress"], flight, post, start)
+        activity.published = saved["published"]
+        return activity
 
     def saved(self) -> Mapping[str, Any]:
-        """See fsm.Activity: its parameters as the mission gave them, where, and its progress."""
-        start = [self._start.position, self._start.yaw]
-        return {"with": self._given, "start": start, "progress": self.progress()}
+        """See fsm.Activity: its parameters as the mission gave them, where that was, and its progress."""
+        return {
+            "with": self._given,
+            "start": [self._start.position, self._start.yaw],
+            "progress": self.progress(),
+            "published": self.published,
+        }
 
     def _resolve(self, values: Mapping[str, Any]) -> dict[str, Any]:
         frame, parameters = self._flight.frame, self.info.parameters

@@ -151,6 +151,9 @@ class ToyActivity:
     def progress(self) -> Mapping[str, Any] | None:
         return {"steps": self.steps}
 
+    def saved(self) -> Mapping[str, Any]:
+        return {"with": dict(self.parameters), "steps": self.steps, "published": self.published}
+
     def stop(self) -> None:
         self.log.append(f"stop {self.state}")
 
@@ -184,6 +187,14 @@ class Run:
     ) -> ToyActivity:
         self.log.append(f"begin {state}")
         activity = ToyActivity(state, parameters, progress, self.log, self.script, behavior.blank)
+        self.activities.append(activity)
+        return activity
+
+    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> ToyActivity:
+        self.log.append(f"resume {state}")
+        resumed = {"steps": saved["steps"]}
+        activity = ToyActivity(state, saved["with"], resumed, self.log, self.script)
+        activity.steps, activity.published = saved["steps"], saved["published"]
         self.activities.append(activity)
         return activity
 
