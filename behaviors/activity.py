@@ -63,7 +63,7 @@ class DroneActivity:
         return activity
 
     def saved(self) -> Mapping[str, Any]:
-        """See fsm.Activity: its parameters as the mission gave them, where that was, and its progress."""
+        """See fsm.Activity: parameters as given, where that was, and how far it came."""
         return {
             "with": self._given,
             "start": [self._start.position, self._start.yaw],

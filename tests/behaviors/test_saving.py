@@ -17,7 +17,10 @@ TRIP = """
 mission: trip
 states:
   up: {do: takeoff, with: {altitude: 2 m}, on: {done: out, failed: down}}
-  out: {do: goto, with: {to: {forward: 2 m, left: 1 m}, heading: 90 deg}, on: {done: look, "*": down}}
+  out:
+    do: goto
+    with: {to: {forward: 2 m, left: 1 m}, heading: 90 deg}
+    on: {done: look, "*": down}
   look: {do: hover, after: {400 ms: round}}
   round:
     do: route
