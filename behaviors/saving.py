@@ -12,7 +12,10 @@ from fsm.graph import Graph
 from fsm.packing import pack, unpack
 from fsm.saving import load, save
 from hal.vehicle import Position, Vehicle
+from vencejo.errors import UserError
 from vencejo.geometry import Point
+
+PARTS = {"origin", "watch", "rng", "last", "outcome", "reason", "ended_at"}
 
 
 def save_flight(pilot: Pilot) -> dict[str, Any]:
@@ -42,9 +45,11 @@ def resume_flight(
     thresholds: Thresholds | None = None,
 ) -> Pilot:
     """A pilot that goes on with a saved flight. Raises UserError (see fsm.saving.restore)."""
-    known = saved.get("pilot", {})
-    origin = unpack(known["origin"]) if "origin" in known else None
-    frame = MissionFrame(origin or vehicle.observe().position, places, geographic)
+    known = saved.get("pilot")
+    if not isinstance(known, Mapping) or known.keys() != PARTS:
+        hint = "name a file of a flight, or start the mission anew"
+        raise UserError("torn-save", "this is no whole saved flight", hint=hint)
+    frame = MissionFrame(unpack(known["origin"]), places, geographic)
     pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
     load(pilot.instance, saved)
     pilot._watch.go_on(known["watch"])

@@ -11,6 +11,7 @@ from behaviors.activity import DroneActivity
 from behaviors.saving import resume_flight, save_flight
 from fsm.packing import pack, unpack
 from tests.behaviors.flying import Rig, Solo
+from vencejo.errors import UserError
 from vencejo.geometry import distance
 
 TRIP = """
@@ -106,3 +107,60 @@ def test_each_behaviour_goes_on_where_it_was(name: str, values: Any, grounded: b
         word, place, yaw, periods, events = fly(period)
         assert (word, periods, events) == (whole[0], whole[3], whole[4]), period
         assert distance(place, whole[1]) < 1e-6 and abs(yaw - whole[2]) < 1e-6
+
+
+HOVER = """
+mission: hover
+data: {lows: 0}
+states:
+  up: {do: takeoff, on: {done: stay, failed: down}}
+  stay:
+    do: hover
+    on: {battery.low: {actions: {set: {lows: "${lows + 1}"}, log: "low $lows"}}}
+    after: {1 s: over}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+
+
+def again(rig: Rig) -> None:
+    saved = json.loads(json.dumps(save_flight(rig.pilot), allow_nan=False))
+    rig.pilot = resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
+
+
+def test_what_was_said_is_not_said_again() -> None:
+    rig = Rig(HOVER)
+    rig.until_in("stay")
+    rig.vehicle.battery = 0.25
+    rig.run(0.2)
+    again(rig)
+    rig.run(0.2)
+    assert [fields["text"] for kind, fields in rig.records if kind == "log"] == ["low 1"]
+
+
+def test_a_mission_that_ended_in_the_air_is_still_brought_down() -> None:
+    rig = Rig(HOVER)
+    rig.until(lambda: rig.pilot.outcome is not None)
+    again(rig)
+    rig.run(30.0)
+    assert (rig.pilot.finished, rig.pilot.outcome, rig.vehicle.position.z) == (True, "done", 0.0)
+
+
+def test_draws_go_on() -> None:
+    rig = Rig(HOVER)
+    rig.pilot.flight.rng.random()
+    saved = save_flight(rig.pilot)
+    expected = rig.pilot.flight.rng.random()
+    resumed = resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
+    assert resumed.flight.rng.random() == expected
+
+
+@pytest.mark.parametrize("part", ["pilot", "running"])
+def test_a_flight_with_a_part_missing_is_refused(part: str) -> None:
+    rig = Rig(HOVER)
+    rig.run(1.0)
+    saved = save_flight(rig.pilot)
+    del saved[part]
+    with pytest.raises(UserError) as refused:
+        resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
+    assert refused.value.code == "torn-save"

@@ -26,7 +26,7 @@ def patrol(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest
 
 
 def test_what_the_document_shows_passes_and_its_coverage_is_told(patrol: pytest.Pytester) -> None:
-    result = patrol.runpytest("-p", PLUGIN, "--mission-coverage")
+    result = patrol.runpytest_subprocess("-p", PLUGIN, "--mission-coverage")
     result.assert_outcomes(passed=4)
     lines = result.outlines
     title = next(n for n, line in enumerate(lines) if line.startswith("patrol.yaml (patrol): "))
@@ -42,14 +42,14 @@ def test_what_the_document_shows_passes_and_its_coverage_is_told(patrol: pytest.
 
 
 def test_without_the_option_nothing_is_told(patrol: pytest.Pytester) -> None:
-    result = patrol.runpytest("-p", PLUGIN, "-k", "battery")
+    result = patrol.runpytest_subprocess("-p", PLUGIN, "-k", "battery")
     result.assert_outcomes(passed=1, deselected=3)
     result.stdout.no_fnmatch_line("*mission coverage*")
 
 
 def test_workers_add_up(patrol: pytest.Pytester) -> None:
     pytest.importorskip("xdist")
-    result = patrol.runpytest(
+    result = patrol.runpytest_subprocess(
         "-p", "xdist", "-p", PLUGIN, "--mission-coverage", "-n", "2", "-k", "there or battery"
     )
     result.assert_outcomes(passed=2)
@@ -76,7 +76,7 @@ def test_a_text_and_a_vocabulary_of_ones_own(pytester: pytest.Pytester) -> None:
             run.until("order").advance(5.1).assert_path("cook", "order", "eat")
         """
     )
-    pytester.runpytest("-p", PLUGIN).assert_outcomes(passed=1)
+    pytester.runpytest_subprocess("-p", PLUGIN).assert_outcomes(passed=1)
 
 
 def test_the_plugin_imports_nothing_of_ours_before_it_is_used() -> None:
