@@ -12,6 +12,7 @@ from behaviors.flight import Flight
 from fsm.functions import EvaluationError
 from fsm.vocabulary import Behavior as BehaviorInfo
 from fsm.vocabulary import Outcome
+from hal.vehicle import Observation
 
 Post = Callable[[str, Mapping[str, Any]], None]
 
@@ -26,16 +27,18 @@ class DroneActivity:
         progress: Mapping[str, Any] | None,
         flight: Flight,
         post: Post,
+        start: Observation | None = None,
     ) -> None:
+        """``start`` is where relative points are counted from: without it, where it is now."""
         self.info = info
         self.published: Any = info.blank
         self.failure: Outcome | None = None
         self._flight = flight
         self._post = post
-        self._start = flight.observation
+        self._start = start or flight.observation
         self._behavior: Behavior | None = None
         self._stopped = False
-        given = {name: p.default for name, p in info.parameters.items()}
+        given = self._given = {name: p.default for name, p in info.parameters.items()}
         given.update({name: value for name, value in values.items() if value is not None})
         missing = [n for n, p in info.parameters.items() if p.required and given[n] is None]
         if missing:
@@ -47,6 +50,26 @@ class DroneActivity:
             self._behavior.start(flight, progress)
         except Exception as error:
             self.failure = _failed(story(error))
+
+    @classmethod
+    def resumed(
+        cls, info: BehaviorInfo, saved: Mapping[str, Any], flight: Flight, post: Post
+    ) -> DroneActivity:
+        """One that goes on where another had come to; relative points stay where they were."""
+        position, yaw = saved["start"]
+        start = flight.observation._replace(position=position, yaw=yaw)
+        activity = cls(info, saved["with"], saved["progress"], flight, post, start)
+        activity.published = saved["published"]
+        return activity
+
+    def saved(self) -> Mapping[str, Any]:
+        """See fsm.Activity: parameters as given, where that was, and how far it came."""
+        return {
+            "with": self._given,
+            "start": [self._start.position, self._start.yaw],
+            "progress": self.progress(),
+            "published": self.published,
+        }
 
     def _resolve(self, values: Mapping[str, Any]) -> dict[str, Any]:
         frame, parameters = self._flight.frame, self.info.parameters
@@ -75,6 +98,7 @@ class DroneActivity:
             for name, value in self._resolve(live).items() if live else ():
                 # What has no value just now, like the place of something unseen, stays as it was.
                 if value is not None:
+                    self._given[name] = live[name]
                     setattr(self._behavior.params, name, value)
             ended = self._behavior.step(self._flight)
         except Exception as error:

@@ -37,7 +37,7 @@ class GoTo(Behavior):
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params = self.params
-        self.leg = Leg(flight, params.to)
+        self.leg = Leg(flight, params.to, progress)
         self.arrival = Arrival(params.tolerance, params.yaw_tolerance, params.dwell)
 
     def step(self, flight: Flight) -> Outcome | str | None:
@@ -48,3 +48,6 @@ class GoTo(Behavior):
             self.leg.rest(flight)
             return "done"
         return self.leg.blocked(flight, approach, params.timeout)
+
+    def progress(self) -> dict[str, Any]:
+        return self.leg.progress()

@@ -19,6 +19,7 @@ is given both place and velocity, and so neither lags behind nor overshoots.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 
 from behaviors.params import Face, Heading
@@ -35,6 +36,8 @@ CATCH_UP = 1.0
 """How soon that distance settles, 1/s: slow against what ACCELERATION allows, so that it does."""
 MIN_TRAVEL = 0.3
 """Over less ground than this a direction means nothing, and the heading is kept, metres."""
+NEARBY = 1.0
+"""A vehicle still within this of where a behaviour was interrupted goes on from there, metres."""
 STILL = Point(0.0, 0.0, 0.0)
 
 
@@ -44,6 +47,14 @@ class Reference:
     def __init__(self, position: Point, velocity: Point) -> None:
         self.position = position
         self.velocity = velocity
+
+    def progress(self) -> list[float]:
+        return [*self.position, *self.velocity]
+
+    @classmethod
+    def resumed(cls, progress: Sequence[float]) -> Reference:
+        """One that goes on where another had come to."""
+        return cls(Point(*progress[:3]), Point(*progress[3:]))
 
     def step(self, target: Point, speed: float, vehicle: Observation, dt: float) -> None:
         """Move on by ``dt`` seconds towards ``target`` at up to ``speed`` m/s."""

@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.guidance import Reference, yaw_towards
+from behaviors.guidance import NEARBY, Reference, yaw_towards
 from behaviors.params import BehaviorParams, Heading, live
 from fsm.vocabulary import Outcome
-from vencejo.geometry import Point
+from vencejo.geometry import Point, distance
 
 SPEED = 1.0
 """How fast it goes to a new place, m/s."""
@@ -30,9 +30,16 @@ class Hover(Behavior):
         seen = flight.observation
         self.start_yaw = self.yaw = seen.yaw
         self.reference = Reference(seen.position, seen.velocity)
+        self.here = seen.position
+        if progress:
+            self.start_yaw = progress["start_yaw"]
+            if distance(progress["here"], seen.position) <= NEARBY:
+                self.yaw = progress["yaw"]
+                self.reference = Reference.resumed(progress["reference"])
 
     def step(self, flight: Flight) -> Outcome | str | None:
         here, reference, at = flight.observation.position, self.reference, self.params.at
+        self.here = here
         if at is None:
             reference.stop(flight.observation, flight.dt)
         else:
@@ -41,3 +48,11 @@ class Hover(Behavior):
         self.yaw = yaw_towards(self.params.heading, here, ahead, self.start_yaw, self.yaw)
         flight.command(reference.setpoint(self.yaw))
         return None
+
+    def progress(self) -> dict[str, Any]:
+        return {
+            "start_yaw": self.start_yaw,
+            "yaw": self.yaw,
+            "here": list(self.here),
+            "reference": self.reference.progress(),
+        }

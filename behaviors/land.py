@@ -25,7 +25,10 @@ class Land(Behavior):
     ends_landed = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.waiting = Waiting(flight.land(), flight.now, self.params.timeout)
+        self.waiting = Waiting(flight.land(), flight.now, self.params.timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         return self.waiting.step(flight)
+
+    def progress(self) -> dict[str, Any]:
+        return self.waiting.progress()

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 from behaviors.flight import Flight
-from behaviors.guidance import Reference, yaw_towards
+from behaviors.guidance import NEARBY, Reference, yaw_towards
+from behaviors.orders import EPSILON
 from behaviors.params import Heading, value
 from fsm.vocabulary import Outcome
 from hal.vehicle import Position
@@ -54,11 +57,45 @@ class Arrival:
 class Leg:
     """Follows a reference to a target: each period ``step``, then ``arrived`` and ``blocked``."""
 
-    def __init__(self, flight: Flight, target: Point) -> None:
+    def __init__(
+        self, flight: Flight, target: Point, progress: Mapping[str, Any] | None = None
+    ) -> None:
         seen = flight.observation
         self.start_yaw = self.yaw = seen.yaw
         self.reference = Reference(seen.position, seen.velocity)
+        self._here, self._now = seen.position, seen.time
+        self.inside_since: float | None = None
         self.begin(target, flight.now)
+        if progress:
+            self.start_yaw = progress["start_yaw"]
+            # From anywhere else it flies there anew, with all the time it had at first.
+            if distance(progress["here"], seen.position) <= NEARBY:
+                self._go_on(progress)
+
+    def _go_on(self, progress: Mapping[str, Any]) -> None:
+        now, inside, nearest = self._now, progress["inside"], progress["nearest"]
+        self.yaw = progress["yaw"]
+        self.reference = Reference.resumed(progress["reference"])
+        self.started = now - progress["elapsed"]
+        self.target = Point(*progress["target"])
+        self.inside_since = None if inside is None else now - inside
+        self._nearest = inf if nearest is None else nearest
+        self._nearer_at = now - progress["no_nearer"]
+
+    def progress(self) -> dict[str, Any]:
+        """How far it came; times as durations, since clocks go on meanwhile."""
+        now, inside = self._now, self.inside_since
+        return {
+            "start_yaw": self.start_yaw,
+            "yaw": self.yaw,
+            "here": list(self._here),
+            "reference": self.reference.progress(),
+            "elapsed": now - self.started,
+            "target": list(self.target),
+            "inside": None if inside is None else now - inside,
+            "nearest": None if self._nearest == inf else self._nearest,
+            "no_nearer": now - self._nearer_at,
+        }
 
     def begin(self, target: Point, now: float) -> None:
         """Head for the next target from where the reference is, at the speed it has."""
@@ -67,7 +104,7 @@ class Leg:
 
     def _aim(self, target: Point, now: float) -> None:
         self.target = target
-        self.inside_since: float | None = None
+        self.inside_since = None
         self._nearest = inf
         self._nearer_at = now
 
@@ -76,6 +113,7 @@ class Leg:
         if target != self.target:
             self._aim(target, flight.now)
         seen = flight.observation
+        self._here, self._now = seen.position, seen.time
         self.yaw = yaw_towards(heading, seen.position, target, self.start_yaw, self.yaw)
         self.reference.step(target, speed, seen, flight.dt)
         flight.command(self.reference.setpoint(self.yaw))
@@ -94,7 +132,7 @@ class Leg:
             return False
         if self.inside_since is None:
             self.inside_since = flight.now
-        return flight.now - self.inside_since >= arrival.dwell - 1e-9
+        return flight.now - self.inside_since >= arrival.dwell - EPSILON
 
     def rest(self, flight: Flight) -> None:
         """Command the target itself: what is held once the leg is over."""
@@ -105,9 +143,9 @@ class Leg:
         if self.inside_since is not None or approach.distance < self._nearest - NEARER:
             self._nearest = min(self._nearest, approach.distance)
             self._nearer_at = flight.now
-        if timeout is not None and approach.elapsed >= timeout:
+        if timeout is not None and approach.elapsed >= timeout - EPSILON:
             reason = f"not there within {timeout:g} s"
-        elif flight.now - self._nearer_at >= PATIENCE:
+        elif flight.now - self._nearer_at >= PATIENCE - EPSILON:
             reason = f"came no nearer for {PATIENCE:g} s"
         else:
             return None

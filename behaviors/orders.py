@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from behaviors.flight import Flight
 from fsm.vocabulary import Outcome
 from hal.vehicle import Order
+
+EPSILON = 1e-9
+"""Seconds that a sum of times may be off."""
 
 
 class Waiting:
     """An order that was given, and how long its behaviour waits for it."""
 
-    def __init__(self, order: Order, now: float, timeout: float) -> None:
+    def __init__(
+        self, order: Order, now: float, timeout: float, progress: Mapping[str, Any] | None = None
+    ) -> None:
         self.order = order
-        self.deadline = now + timeout
+        self.timeout = timeout
+        self.started = now - (progress or {}).get("waited", 0.0)
+        self.waited = now - self.started
+
+    def progress(self) -> dict[str, Any]:
+        """How long it has waited; the order itself is given again, which changes nothing."""
+        return {"waited": self.waited}
 
     def step(self, flight: Flight) -> Outcome | str | None:
         """``done``, or ``failed`` with the vehicle's reason or because time is up."""
         order = self.order
+        self.waited = flight.now - self.started
         if order.state == "done":
             return "done"
         if order.state == "refused":
             return Outcome("failed", {"reason": f"{order.verb} refused: {order.reason}"})
-        if flight.now >= self.deadline:
+        if self.waited >= self.timeout - EPSILON:
             return Outcome("failed", {"reason": f"{order.verb} took too long"})
         return None

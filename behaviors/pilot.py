@@ -94,6 +94,12 @@ class Pilot:
             self.flight.order = None
         return DroneActivity(behavior, parameters, progress, self.flight, self.instance.post)
 
+    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> DroneActivity:
+        """Go on with a behaviour of a saved run (see fsm.Host)."""
+        if "motion" in behavior.controls:
+            self.flight.order = None
+        return DroneActivity.resumed(behavior, saved, self.flight, self.instance.post)
+
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered function (see fsm.Host)."""
         try:

@@ -26,7 +26,11 @@ class ReturnHome(Behavior):
     ends_landed = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.waiting = Waiting(flight.return_home(), flight.now, self.params.timeout)
+        order = flight.return_home()
+        self.waiting = Waiting(order, flight.now, self.params.timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         return self.waiting.step(flight)
+
+    def progress(self) -> dict[str, Any]:
+        return self.waiting.progress()

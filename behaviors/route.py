@@ -63,10 +63,13 @@ class FlyRoute(Behavior):
     requires = ("position", "velocity")
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.index = (progress or {}).get("index", 0)
+        progress = progress or {}
+        self.index = progress.get("index", 0)
         points = self.params.points
         # With fewer points than when it was interrupted, nothing is left to fly.
-        self.leg = Leg(flight, points[self.index].at) if self.index < len(points) else None
+        self.leg: Leg | None = None
+        if self.index < len(points):
+            self.leg = Leg(flight, points[self.index].at, progress.get("leg"))
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params, leg = self.params, self.leg
@@ -90,4 +93,4 @@ class FlyRoute(Behavior):
         return None
 
     def progress(self) -> dict[str, Any]:
-        return {"index": self.index}
+        return {"index": self.index, "leg": self.leg.progress() if self.leg else None}

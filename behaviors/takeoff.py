@@ -27,7 +27,10 @@ class Takeoff(Behavior):
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         order = flight.takeoff(self.params.altitude)
-        self.waiting = Waiting(order, flight.now, self.params.timeout)
+        self.waiting = Waiting(order, flight.now, self.params.timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         return self.waiting.step(flight)
+
+    def progress(self) -> dict[str, Any]:
+        return self.waiting.progress()

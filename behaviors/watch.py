@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,6 +32,14 @@ class Watch:
         self.thresholds = thresholds
         self._below: set[str] = set()
         self._lost = False
+
+    def progress(self) -> dict[str, Any]:
+        """What it has said already, as JSON."""
+        return {"below": sorted(self._below), "lost": self._lost}
+
+    def go_on(self, progress: Mapping[str, Any]) -> None:
+        """Go on where another watch had come to."""
+        self._below, self._lost = set(progress["below"]), progress["lost"]
 
     def events(self, seen: Observation) -> Iterator[tuple[str, dict[str, Any]]]:
         """The events of this period, most urgent first."""

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from behaviors import Pilot
+from behaviors import Pilot, drone_vocabulary
 from cli import missions
 from cli.flight import Plan, fly
 from cli.prepare import prepare
-from fsm import parse_parameters
+from fsm import (
+    Graph,
+    Vocabulary,
+    compile_mission,
+    parse_parameters,
+    read_mission,
+    read_mission_text,
+)
 from fsm.machine import Record
 from vencejo.geometry import Point, distance
 
@@ -61,6 +68,20 @@ class _Watch:
                 self.flight.states.append(fields["state"])
 
 
+def graph_of(source: str | Path, vocabulary: Vocabulary | None = None) -> Graph:
+    """The graph of a mission given by path or name, or by its text (which has several lines).
+
+    Raises UserError like `drone-cli check`.
+    """
+    text = str(source)
+    if "\n" in text:
+        return compile_mission(read_mission_text(text), vocabulary or drone_vocabulary())
+    found = missions.find(text)
+    if vocabulary is None:
+        return prepare(found).graph
+    return compile_mission(read_mission(found.path, found.shown_as), vocabulary)
+
+
 def fly_mission(
     mission: str | Path,
     parameters: Mapping[str, str] | None = None,
@@ -69,13 +90,16 @@ def fly_mission(
     seed: int = 0,
     noise: float = 0.0,
     post: Mapping[float, str] | None = None,
+    watch: Callable[[Graph], None] | None = None,
 ) -> MissionFlight:
     """Fly a mission in the simulator, without files or pacing.
 
     ``parameters`` are texts as after ``-p``; ``post`` says at which second which event comes from
-    outside. Raises UserError like the command line.
+    outside; ``watch`` is given the graph before it flies. Raises UserError like the command line.
     """
     prepared = prepare(missions.find(str(mission)), world)
+    if watch:
+        watch(prepared.graph)
     values = parse_parameters(prepared.graph, parameters or {})
     flight = MissionFlight()
     plan = Plan(prepared, values, seed=seed, settings={"noise": noise})

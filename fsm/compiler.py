@@ -54,6 +54,7 @@ def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
         world=spec.world.text if spec.world else None,
         outer_first=spec.outer_first,
         by_path={node.path: node for node in tree.nodes},
+        source=spec,
     )
     if all(fault.severity == "warning" for fault in faults):
         faults.extend(check(graph))

@@ -23,6 +23,7 @@ from fsm.parameters import checked_value
 from fsm.scope import CONFIGURATION_SLOT, TIME_SLOT
 from fsm.vocabulary import Activity
 from fsm.waiting import Armed, Timer
+from vencejo.errors import Where
 
 Record = tuple[str, dict[str, Any]]
 
@@ -80,8 +81,9 @@ class Configuration:
         self._restoring: list[Memory] = []
         """The memories that the microstep at work gives back."""
         self._resumed: dict[int, Progress] = {}
-        self._broken: set[int] = set()
-        """Expressions and actions that failed and have not worked since."""
+        self._broken: set[tuple[Where, str]] = set()
+        """Expressions and actions that failed and have not worked since: place, and text or kind.
+        """
         self._has_history = any(node.type == "history" for node in graph.nodes)
 
     @property
@@ -342,10 +344,10 @@ class Configuration:
         try:
             value = compiled.function(self.slots, event)
         except FAILURES as error:
-            self._failed(compiled, f"{compiled.source}: {error}")
+            self._failed(compiled.where, compiled.source, f"{compiled.source}: {error}")
             return otherwise
         if self._broken:
-            self._broken.discard(id(compiled))
+            self._broken.discard((compiled.where, compiled.source))
         return value
 
     def _run(self, actions: Sequence[Action], event: Event) -> None:
@@ -354,17 +356,17 @@ class Configuration:
             try:
                 action.run(self, event.fields)
             except FAILURES as error:
-                self._failed(action, f"{action.kind}: {error}")
+                self._failed(action.where, action.kind, f"{action.kind}: {error}")
                 return
             if self._broken:
-                self._broken.discard(id(action))
+                self._broken.discard((action.where, action.kind))
 
-    def _failed(self, what: Compiled | Action, message: str) -> None:
+    def _failed(self, where: Where, what: str, message: str) -> None:
         """Raised once, until what failed works again."""
-        if id(what) in self._broken:
+        if (where, what) in self._broken:
             return
-        self._broken.add(id(what))
-        fields = {"message": message, "where": str(what.where)}
+        self._broken.add((where, what))
+        fields = {"message": message, "where": str(where)}
         self.record("error", **fields)
         self._internal.append(Event("error.execution", fields))
 

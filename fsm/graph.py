@@ -16,8 +16,9 @@ from typing import Any
 from transitions.core import Condition, EventData, State, Transition
 
 from fsm.active import Active
+from fsm.digest import digest_of
 from fsm.expressions import Compiled
-from fsm.spec import StateType, TriggerKind
+from fsm.spec import MissionSpec, StateType, TriggerKind
 from fsm.types import Type
 from fsm.vocabulary import Behavior, Parameter, Vocabulary, matches
 from vencejo.errors import Fault, Where
@@ -232,6 +233,14 @@ class Graph:
     by_path: Mapping[str, Node] = field(default_factory=dict)
     visited: dict[int, Active] = field(default_factory=dict, repr=False)
     """Configurations that instances have been in, by their masks (see :mod:`fsm.active`)."""
+
+    source: MissionSpec | None = None
+    """What it was compiled from."""
+
+    @cached_property
+    def digest(self) -> str:
+        """A hash of what the mission says; saved runs and records know it by this."""
+        return "" if self.source is None else digest_of(self.source)
 
     def callbacks(self, functions: Iterable[Any], event_data: EventData) -> None:
         """Run `transitions` callbacks with the event's data."""

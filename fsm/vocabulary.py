@@ -118,6 +118,9 @@ class Activity(Protocol):
     def progress(self) -> Mapping[str, Any] | None:
         """How far it came, as JSON; asked before stop."""
 
+    def saved(self) -> Mapping[str, Any]:
+        """What :meth:`Host.resume` needs to go on with it, as values that can be packed."""
+
     def stop(self) -> None:
         """Called once, whether it ended by itself or its state was left."""
 
@@ -133,6 +136,9 @@ class Host(Protocol):
         progress: Mapping[str, Any] | None,
     ) -> Activity:
         """Start a behaviour. Never raises: one that cannot start fails in its first step."""
+
+    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> Activity:
+        """Go on with a behaviour of a saved run, from what its activity said in ``saved``."""
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered function. Raises EvaluationError when it fails."""

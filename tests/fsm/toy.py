@@ -151,6 +151,9 @@ class ToyActivity:
     def progress(self) -> Mapping[str, Any] | None:
         return {"steps": self.steps}
 
+    def saved(self) -> Mapping[str, Any]:
+        return {"with": dict(self.parameters), "steps": self.steps, "published": self.published}
+
     def stop(self) -> None:
         self.log.append(f"stop {self.state}")
 
@@ -189,6 +192,14 @@ class Run:
 
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
         self.log.append(f"send {event} to {to}: {dict(fields)}")
+
+    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> ToyActivity:
+        self.log.append(f"resume {state}")
+        resumed = {"steps": saved["steps"]}
+        activity = ToyActivity(state, saved["with"], resumed, self.log, self.script)
+        activity.steps, activity.published = saved["steps"], saved["published"]
+        self.activities.append(activity)
+        return activity
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         raise LookupError(name)

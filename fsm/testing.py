@@ -1,0 +1,244 @@
+"""For tests of graphs: step one without its host, with behaviours that end when they are told.
+
+>>> trial = Trial(graph, {"goto": ends("blocked", after=2.0)})
+>>> trial.until("survey").send("battery.low").assert_path("takeoff", "survey", "land")
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any, Self
+
+from fsm.graph import Graph
+from fsm.machine import Instance, Record
+from fsm.types import Bool, ListOf, MapOf, Number, PointType, Text, Type
+from fsm.vocabulary import Behavior, Outcome
+from vencejo.errors import nearest
+from vencejo.geometry import Point
+
+PERIOD = 0.025
+"""Seconds from one period of a trial to the next."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a scripted behaviour ends."""
+
+    outcome: str
+    after: float
+    """Seconds since its state was entered."""
+    fields: Mapping[str, Any] = field(default_factory=dict)
+
+
+def ends(outcome: str = "done", after: float = 0.0, **fields: Any) -> Ending:
+    """A behaviour that ends in an outcome ``after`` so many seconds; ``fields`` of its event."""
+    return Ending(outcome, after, fields)
+
+
+class Scripted:
+    """A behaviour that does nothing, and ends as its script says."""
+
+    def __init__(self, behavior: Behavior, ending: Ending | None, steps: int = 0) -> None:
+        self.published: Any = behavior.blank
+        self.ending = ending
+        self.steps = steps
+
+    def step(self, live: Mapping[str, Any]) -> Outcome | None:
+        self.steps += 1
+        ending = self.ending
+        if ending is None or self.steps * PERIOD < ending.after - 1e-9:
+            return None
+        return Outcome(ending.outcome, ending.fields)
+
+    def progress(self) -> Mapping[str, Any] | None:
+        return {"steps": self.steps}
+
+    def saved(self) -> Mapping[str, Any]:
+        return {"steps": self.steps}
+
+    def stop(self) -> None:
+        pass
+
+
+class _TrialHost:
+    """What a graph in a trial asks for: scripted behaviours, and notes of what it calls."""
+
+    def __init__(self, behaviors: Mapping[str, Ending]) -> None:
+        self.behaviors = behaviors
+        self.calls: list[tuple[str, Mapping[str, Any]]] = []
+        self.sent: list[tuple[str, str, Mapping[str, Any]]] = []
+
+    def begin(
+        self,
+        behavior: Behavior,
+        state: str,
+        parameters: Mapping[str, Any],
+        progress: Mapping[str, Any] | None,
+    ) -> Scripted:
+        """See fsm.Host."""
+        ending = self.behaviors.get(state) or self.behaviors.get(behavior.name)
+        return Scripted(behavior, ending, (progress or {}).get("steps", 0))
+
+    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> Scripted:
+        """See fsm.Host."""
+        return self.begin(behavior, state, {}, saved)
+
+    def call(self, name: str, arguments: Mapping[str, Any]) -> None:
+        """See fsm.Host."""
+        self.calls.append((name, arguments))
+
+    def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
+        """See fsm.Host."""
+        self.sent.append((to, event, fields))
+
+
+class Trial:
+    """A graph at work in a test. Its behaviours never end but as ``behaviors`` says.
+
+    ``behaviors`` gives endings by the path of a state or the name of a behaviour; a state's own
+    goes first. Host values begin as 0, false, empty or the origin: see :meth:`set`.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        behaviors: Mapping[str, Ending] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.graph = graph
+        self.behaviors = dict(behaviors or {})
+        self.path: list[str] = []
+        """The leaf states in the order in which they were entered."""
+        self.records: list[Record] = []
+        """All that happened."""
+        host = _TrialHost(self.behaviors)
+        self.calls = host.calls
+        """Registered actions that were called, with their arguments."""
+        self.sent = host.sent
+        """Events sent to other vehicles: to whom, which, with what fields."""
+        self.time = 0.0
+        """Seconds that were lived through."""
+        self._periods = 0
+        self._values = {name: _blank(type_) for name, type_ in graph.vocabulary.names.items()}
+        self._refuse_unknown()
+        self.instance = Instance(graph, host, parameters)
+
+    def _refuse_unknown(self) -> None:
+        invoked = {
+            node.path: node.invocation.behavior for node in self.graph.nodes if node.invocation
+        }
+        known = {**{behavior.name: behavior for behavior in invoked.values()}, **invoked}
+        for name, ending in self.behaviors.items():
+            if name not in known:
+                hint = nearest(name, known)
+                raise ValueError(f"no state and no behaviour of this graph is '{name}': {hint}")
+            words = {*known[name].outcomes, "failed"}
+            if ending.outcome not in words:
+                hint = nearest(ending.outcome, words)
+                raise ValueError(f"'{name}' has no outcome '{ending.outcome}': {hint}")
+
+    # -- what a test does -------------------------------------------------------------------
+
+    def advance(self, seconds: float = PERIOD) -> Self:
+        """Let time pass, in whole periods: at least one."""
+        for _ in range(max(1, round(seconds / PERIOD))):
+            self._period()
+        return self
+
+    def until(self, state: str, within: float = 60.0) -> Self:
+        """Let time pass until a state is active. Fails when it is not ``within`` seconds."""
+        for _ in range(round(within / PERIOD) + 1):
+            if self.is_active(state):
+                return self
+            self._period()
+        raise AssertionError(f"'{state}' was not reached within {within:g} s\n{self._story()}")
+
+    def end(self, within: float = 600.0) -> str:
+        """Let time pass until the mission ends; its outcome."""
+        for _ in range(round(within / PERIOD)):
+            if self.outcome is not None:
+                return self.outcome
+            self._period()
+        raise AssertionError(f"the mission did not end within {within:g} s\n{self._story()}")
+
+    def send(self, event: str, **fields: Any) -> Self:
+        """Post an event from outside; it is heard at once, in a period of its own."""
+        self.instance.post(event, fields)
+        return self.advance()
+
+    def set(self, **values: Any) -> Self:
+        """Change host values: ``set(vehicle={"battery": 0.2})`` leaves the other fields alone."""
+        for name, value in values.items():
+            if name not in self._values:
+                raise ValueError(f"there is no '{name}' here: {nearest(name, self._values)}")
+            old = self._values[name]
+            merges = isinstance(value, Mapping) and isinstance(old, SimpleNamespace)
+            self._values[name] = SimpleNamespace(**{**vars(old), **value}) if merges else value
+        return self
+
+    def assert_path(self, *states: str) -> Self:
+        """Fail unless exactly these leaf states were entered, in this order."""
+        assert self.path == list(states), f"it took {' → '.join(self.path)}"
+        return self
+
+    # -- what a test looks at ---------------------------------------------------------------
+
+    @property
+    def active(self) -> list[str]:
+        """The active leaf states."""
+        return self.instance.paths()
+
+    @property
+    def outcome(self) -> str | None:
+        """How the mission ended; None while it is at work."""
+        return self.instance.outcome
+
+    @property
+    def logged(self) -> list[str]:
+        """What its ``log`` actions said."""
+        return [fields["text"] for kind, fields in self.records if kind == "log"]
+
+    def is_active(self, state: str) -> bool:
+        if state not in self.graph.by_path:
+            raise ValueError(f"there is no state '{state}': {nearest(state, self.graph.by_path)}")
+        return self.instance.is_active(state)
+
+    def value(self, name: str) -> Any:
+        """A variable of the mission, or the first of that name further inside."""
+        slots = (data.slot for node in self.graph.nodes for data in node.data if data.name == name)
+        slot = next(slots, None)
+        if slot is None:
+            raise ValueError(f"there is no variable '{name}'")
+        return self.instance.slots[slot]
+
+    def _period(self) -> None:
+        self.time = self._periods * PERIOD
+        self._periods += 1
+        self.instance.period(self.time, tuple(self._values.values()))
+        new, self.instance.records = self.instance.records, []
+        self.records += new
+        for kind, fields in new:
+            if kind == "enter" and not self.graph.by_path[fields["state"]].children:
+                self.path.append(fields["state"])
+
+    def _story(self) -> str:
+        return f"it is in {', '.join(self.active) or 'no state'} and took {' → '.join(self.path)}"
+
+
+def _blank(type_: Type) -> Any:
+    match type_:
+        case Bool():
+            return False
+        case Number():
+            return 0.0
+        case Text():
+            return ""
+        case PointType():
+            return Point(0.0, 0.0, 0.0)
+        case ListOf():
+            return []
+        case MapOf(fields=fields):
+            return SimpleNamespace(**{n: _blank(inner) for n, inner in (fields or {}).items()})
+    return None
