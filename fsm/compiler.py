@@ -7,6 +7,7 @@ structure must fulfil is tested in :mod:`fsm.checks`.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from difflib import get_close_matches
 from itertools import combinations
 
@@ -233,9 +234,8 @@ class _Compiler:
         found: list[Action] = []
         for spec in specs:
             with self.faults.collecting():
-                found.append(
-                    actions.compile_action(spec, self.names.context(scope), self.names.events)
-                )
+                action = actions.compile_action(spec, self.names.context(scope), self.names.events)
+                found.append(replace(action, node=spec.node))
         return tuple(found)
 
     def edges(self, node: Node, trigger: TriggerSpec, scope: Scope) -> tuple[Edge, ...]:
