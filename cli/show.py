@@ -18,6 +18,7 @@ WRITERS = {
     "text": "fsm.drawing:write_text",
     "mermaid": "fsm.drawing:write_mermaid",
     "dot": "fsm.drawing:write_dot",
+    "svg": "fsm.drawing:write_svg",
     "scxml": "fsm.scxml_writer:write_scxml",
 }
 
@@ -37,8 +38,8 @@ WRITERS = {
 def show(mission: str, format_: str, world: str | None, output: str | None) -> None:
     """Show the graph of MISSION: a file, or a name as for `run`.
 
-    text is an indented outline; mermaid and dot are for Mermaid and Graphviz; scxml is for other
-    statechart tools.
+    text is an indented outline; svg a picture; mermaid and dot are for Mermaid and
+    Graphviz; scxml is for other statechart tools.
     """
     text = _written(prepare(missions.find(mission), world).graph, format_)
     if output is None:
