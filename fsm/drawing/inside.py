@@ -11,7 +11,7 @@ from fsm.drawing.picture import XY
 from fsm.drawing.placing import BORDER, PORT_GAP, place
 from fsm.drawing.rows import Item, Key, Rows, Terminal, Wires, layers_of
 from fsm.drawing.widths import text_width
-from fsm.drawing.wiring import Leg, Wire
+from fsm.drawing.wiring import Leg, Wire, toward
 from fsm.drawing.words import edges_label, node_lines
 from fsm.graph import Node
 
@@ -19,6 +19,8 @@ NAME_SIZE, LINE_SIZE, LABEL_SIZE = 13.0, 11.0, 11.0
 NAME_HEIGHT, LINE_HEIGHT = 18.0, 15.0
 PAD = 14.0
 TRACK = 8.0
+ARROW = 16.0
+"""Below the last track: a corner and a head."""
 DOT = 10.0
 HISTORY = 26.0
 BESIDE = 6.0
@@ -64,6 +66,8 @@ class Inside:
         ``name`` is what the item calls it, ``key`` what the others do.
         """
         top = False
+        if item.kind == "port":
+            yield _x(item, top, name), 0.0
         while True:
             wires = self.rows.leaving[item, top, name]
             assert wires.sink is not None
@@ -80,12 +84,15 @@ class Inside:
                 yield end_x, arrive
             yield end_x, end_y
             item, top, name = wires.sink[0], not wires.sink[1], key
+            if item.kind == "port":
+                yield end_x, self.height
             if item.kind in ("box", "port"):
                 return
 
 
 def lay_out(
     node: Node,
+    name: str,
     children: dict[Node, Inside],
     legs: Sequence[tuple[Leg, Wire]],
     ports: tuple[int, int],
@@ -94,7 +101,7 @@ def lay_out(
 
     ``ports`` are those its own lines need in its upper and in its lower border.
     """
-    name, lines = node.local_name, node_lines(node)
+    lines = node_lines(node)
     width, height = _head_size(node, name, lines)
     inner = [child for child in node.children if child in children]
     pairs = {
@@ -103,7 +110,8 @@ def lay_out(
         if leg.source and leg.sink and leg.source is not leg.sink
     }
     parallel = node.type == "parallel"
-    layers = [0] * len(inner) if parallel else layers_of(inner, _first(node), pairs)
+    first = [toward(node, target) for target in node.initial] if inner else []
+    layers = [0] * len(inner) if parallel else layers_of(inner, first, pairs)
     rows = Rows(max(layers, default=-1) + 1)
     made = Inside(node, name, lines, width, height, rows, {}, {}, {}, {}, {}, [], [])
     if not inner:
@@ -122,10 +130,6 @@ def lay_out(
 
 def _x(item: Item, top: bool, key: Key) -> float:
     return PAD + item.x + (item.above if top else item.below).get(key, 0.0)
-
-
-def _first(node: Node) -> list[Node]:
-    return [next(n for n in (t, *t.ancestors) if n.parent is node) for t in node.initial]
 
 
 def _even(width: float) -> float:
@@ -226,4 +230,4 @@ def _channel(made: Inside, channel: list[Wires], y: float) -> float:
     tracks = route(nets, 4.0, made.width - 4)
     for wires, net in zip(channel, nets, strict=True):
         made.nets[wires] = net, y + TRACK
-    return y + TRACK * max(tracks - 1, 0) + 2 * TRACK + 2
+    return y + TRACK + TRACK * max(tracks - 1, 0) + (ARROW if tracks else TRACK)

@@ -29,7 +29,7 @@ def draw(graph: Graph) -> Picture:
     insides: dict[Node, Inside] = {}
     for node in reversed(graph.nodes):
         inner = {child: insides[child] for child in node.children}
-        insides[node] = lay_out(node, inner, legs[node], (up[node], down[node]))
+        insides[node] = lay_out(node, _name(graph, node), inner, legs[node], (up[node], down[node]))
     return _Assembly(graph, insides).picture(wires)
 
 
@@ -61,7 +61,6 @@ class _Assembly:
 
     def box(self, node: Node) -> Box:
         inside, (x, y) = self.insides[node], self.origins[node]
-        name = ("H*" if node.deep else "H") if node.type == "history" else inside.name
         return Box(
             node.path,
             node.type,
@@ -70,7 +69,7 @@ class _Assembly:
             y,
             inside.width,
             self.heights[node],
-            name if node.parent else self.graph.name,
+            inside.name,
             inside.lines,
             node_title(node),
         )
@@ -112,6 +111,12 @@ class _Assembly:
             top = self.origins[one][1]
             found.append(((x, top), (x, top + self.heights[one])))
         return found
+
+
+def _name(graph: Graph, node: Node) -> str:
+    if node.type == "history":
+        return "H*" if node.deep else "H"
+    return node.local_name if node.parent else graph.name
 
 
 def _simple(points: list[XY]) -> tuple[XY, ...]:
