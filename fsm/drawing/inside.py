@@ -124,7 +124,7 @@ def lay_out(
         made.items[child] = rows.add(_box(box, 2 * layer + 2))
     _connect(made, legs)
     place(rows, parallel)
-    _finish(made, ports)
+    _finish(made, children, ports)
     return made
 
 
@@ -187,7 +187,7 @@ def _label(text: tuple[str, ...]) -> Item:
     )
 
 
-def _finish(made: Inside, ports: tuple[int, int]) -> None:
+def _finish(made: Inside, children: dict[Node, Inside], ports: tuple[int, int]) -> None:
     """Tracks, heights and the state's own size, when all is in its column."""
     rows = made.rows
     items = [item for row in rows.rows for item in row]
@@ -209,8 +209,9 @@ def _finish(made: Inside, ports: tuple[int, int]) -> None:
         for item in row:
             spare = height - item.height
             item.y = top + {"label": spare / 2, "dot": spare}.get(item.kind, 0.0)
-            if made.node.type == "parallel" and item.kind == "box":
-                item.height = height
+            region = made.node.type == "parallel" and item.node
+            if region and region.type != "history":
+                item.height = children[region].height = height  # as high as the highest
         y = top + height
         made.bottoms.append(y)
     made.height = y

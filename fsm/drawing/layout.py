@@ -40,12 +40,10 @@ class _Assembly:
         self.graph = graph
         self.insides = insides
         self.origins: dict[Node, XY] = {graph.root: (MARGIN, MARGIN)}
-        self.heights = {graph.root: insides[graph.root].height}
         for node in graph.nodes:
             x, y = self.origins[node]
             for child, item in insides[node].items.items():
                 self.origins[child] = (x + PAD + item.left, y + item.y)
-                self.heights[child] = item.height
 
     def picture(self, wires: tuple[Wire, ...]) -> Picture:
         root = self.insides[self.graph.root]
@@ -68,7 +66,7 @@ class _Assembly:
             x,
             y,
             inside.width,
-            self.heights[node],
+            inside.height,
             inside.name,
             inside.lines,
             node_title(node),
@@ -109,7 +107,7 @@ class _Assembly:
         for one, two in pairwise(regions):
             x = (self.origins[one][0] + self.insides[one].width + self.origins[two][0]) / 2
             top = self.origins[one][1]
-            found.append(((x, top), (x, top + self.heights[one])))
+            found.append(((x, top), (x, top + self.insides[one].height)))
         return found
 
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from fsm.drawing.columns import settle, slots
-from fsm.drawing.rows import MARGINS, Item, Rows, Wires
+from fsm.drawing.rows import Item, Rows, Wires, gap
+from fsm.drawing.tightening import tighten
 
 SWEEPS = 6
 PORT_GAP = 14.0
@@ -26,15 +27,20 @@ def place(rows: Rows, fixed_order: bool) -> None:
     _order(rows, upper, lower, fixed_order)
     for row in rows.rows:
         x = 0.0
-        for item, gap in zip(row, [0.0, *_gaps(row)], strict=False):
-            x = item.x = x + gap
-    for sweep in range(SWEEPS):
-        down = sweep % 2 == 0 or sweep == SWEEPS - 1
-        for row in rows.rows if down else reversed(rows.rows):
-            _settle(row, upper if down else lower)
-        if sweep == SWEEPS - 2:
-            for row in rows.rows:
-                _settle(row, upper, lower)
+        for item, step in zip(row, [0.0, *_gaps(row)], strict=False):
+            x = item.x = x + step
+    gaps = [_gaps(row) for row in rows.rows]
+    order = list(zip(rows.rows, gaps, strict=True))
+    for _ in range(SWEEPS // 2):
+        for row, apart in order:
+            _settle(row, apart, upper)
+        for row, apart in reversed(order):
+            _settle(row, apart, lower)
+    for row, apart in order:
+        _settle(row, apart, upper, lower)
+    for row, apart in order:
+        _settle(row, apart, upper)
+    tighten(rows)
     left = min((item.left for row in rows.rows for item in row), default=0.0)
     for row in rows.rows:
         for item in row:
@@ -66,23 +72,20 @@ def _offset(item: Item, wires: Wires, top: bool) -> float:
 
 
 def _gaps(row: Sequence[Item]) -> list[float]:
-    return [
-        one.width - one.anchor + MARGINS[one.kind] + MARGINS[two.kind] + two.anchor
-        for one, two in pairwise(row)
-    ]
+    return [gap(one, two) for one, two in pairwise(row)]
 
 
-def _settle(row: list[Item], *links: Links) -> None:
+def _settle(row: list[Item], gaps: list[float], *links: Links) -> None:
     wished, weights = [], []
     for item in row:
-        found = [link for table in links for link in table[item]]
-        weight = sum(link[2] for link in found)
-        if found:
-            wished.append(sum((o.x + apart) * w for o, apart, w in found) / weight)
-        else:
-            wished.append(item.x)
-        weights.append(weight or 0.01)
-    for item, x in zip(row, settle(wished, weights, _gaps(row)), strict=True):
+        mass = moment = 0.0
+        for table in links:
+            for other, apart, weight in table[item]:
+                mass += weight
+                moment += weight * (other.x + apart)
+        wished.append(moment / mass if mass else item.x)
+        weights.append(mass or 0.01)
+    for item, x in zip(row, settle(wished, weights, gaps), strict=True):
         item.x = x
 
 
@@ -116,8 +119,11 @@ def _number(row: list[Item]) -> None:
 
 def _barycentre(item: Item, links: Links) -> tuple[bool, float]:
     found = links[item]
-    mean = sum(other.place for other, _, _ in found) / len(found) if found else item.place
-    return item.kind != "head", mean
+    if not found:
+        return item.kind != "head", item.place
+    if len(found) == 1:
+        return True, found[0][0].place
+    return True, sum(other.place for other, _, _ in found) / len(found)
 
 
 def _crossings(rows: Rows, lower: Links) -> int:

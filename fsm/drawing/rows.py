@@ -49,6 +49,11 @@ class Item:
         return self.x - self.anchor
 
 
+def gap(one: Item, two: Item) -> float:
+    """How far apart the lines of neighbours are at least."""
+    return one.width - one.anchor + MARGINS[one.kind] + MARGINS[two.kind] + two.anchor
+
+
 Terminal = tuple[Item, bool]
 """An item and whether its upper side is meant."""
 
