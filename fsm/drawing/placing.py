@@ -10,7 +10,9 @@ from fsm.drawing.columns import settle, slots
 from fsm.drawing.rows import Item, Rows, Wires, gap
 from fsm.drawing.tightening import tighten
 
-SWEEPS = 6
+SWEEPS, FEWER_SWEEPS = 6, 2
+MANY = 8000
+"""Items of one state from which on fewer sweeps must do."""
 PORT_GAP = 14.0
 BORDER = 12.0
 """From the corner of a state to its first port."""
@@ -24,14 +26,15 @@ with a straight line, and the weight of that."""
 def place(rows: Rows, fixed_order: bool) -> None:
     """Order the items of each row, give each its ``x``, and states the ports that are free."""
     upper, lower = _links(rows)
-    _order(rows, upper, lower, fixed_order)
+    sweeps = SWEEPS if len(upper) < MANY else FEWER_SWEEPS
+    _order(rows, upper, lower, fixed_order, sweeps)
     for row in rows.rows:
         x = 0.0
         for item, step in zip(row, [0.0, *_gaps(row)], strict=False):
             x = item.x = x + step
     gaps = [_gaps(row) for row in rows.rows]
     order = list(zip(rows.rows, gaps, strict=True))
-    for _ in range(SWEEPS // 2):
+    for _ in range(sweeps // 2):
         for row, apart in order:
             _settle(row, apart, upper)
         for row, apart in reversed(order):
@@ -89,13 +92,13 @@ def _settle(row: list[Item], gaps: list[float], *links: Links) -> None:
         item.x = x
 
 
-def _order(rows: Rows, upper: Links, lower: Links, fixed: bool) -> None:
+def _order(rows: Rows, upper: Links, lower: Links, fixed: bool, sweeps: int) -> None:
     """Barycentres, downwards and upwards in turn; the order with the fewest crossings is kept."""
     for row in rows.rows:
         row.sort(key=lambda item: item.kind != "head")
         _number(row)
     best, least = [list(row) for row in rows.rows], _crossings(rows, lower)
-    for sweep in range(SWEEPS):
+    for sweep in range(sweeps):
         if least == 0:
             break
         links = lower if sweep % 2 else upper

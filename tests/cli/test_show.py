@@ -4,8 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from cli.missions import SHIPPED
+from cli.missions import SHIPPED, find
+from cli.prepare import prepare
+from fsm.drawing import draw
 from tests.cli.run_cli import run_cli
+from tests.fsm.drawing.rules import broken_rules
 
 SHIPPED_NAMES = sorted(path.stem for path in SHIPPED.glob("*.yaml"))
 
@@ -51,7 +54,7 @@ def test_dot_has_every_state_and_transition(hop: str) -> None:
 
 
 @pytest.mark.parametrize("mission", SHIPPED_NAMES)
-@pytest.mark.parametrize("format_", ["text", "mermaid", "dot"])
+@pytest.mark.parametrize("format_", ["text", "mermaid", "dot", "svg"])
 def test_every_shipped_mission_is_shown_the_same_each_time(mission: str, format_: str) -> None:
     first = run_cli("show", mission, "--format", format_)
     assert first.code == 0 and first.out
@@ -70,3 +73,9 @@ def test_an_unknown_format_gets_the_nearest(hop: str) -> None:
     result = run_cli("show", hop, "--format", "mermaids")
     assert result.code == 2
     assert "mermaid" in result.err
+
+
+@pytest.mark.parametrize("mission", SHIPPED_NAMES)
+def test_pictures_of_shipped_missions_break_no_rule(mission: str) -> None:
+    graph = prepare(find(mission)).graph
+    assert broken_rules(graph, draw(graph)) == []
