@@ -20,7 +20,6 @@ text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; f
 .box {{ fill: #f5f7fa; stroke: #7b8794; }}
 .even {{ fill: #ffffff; }}
 .leaf {{ fill: #e4ecf4; stroke: #486581; }}
-.region {{ stroke: #b8c4ce; }}
 .ring {{ fill: none; stroke: #486581; }}
 .line {{ fill: none; stroke: #486581; stroke-width: 1.3; }}
 .dot, .head {{ fill: #486581; }}
@@ -29,7 +28,7 @@ text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; f
 @media (prefers-color-scheme: dark) {{
 text {{ fill: #e4e7eb; }} .more {{ fill: #b0bcc8; }} .label {{ fill: #c3d3e3; }}
 .page {{ fill: #14191f; }} .box {{ fill: #1d242c; stroke: #66788a; }} .even {{ fill: #161c22; }}
-.leaf {{ fill: #273644; stroke: #829ab1; }} .region {{ stroke: #44525f; }}
+.leaf {{ fill: #273644; stroke: #829ab1; }}
 .ring, .line {{ stroke: #9fb3c8; }} .ring, .line {{ fill: none; }} .dot, .head {{ fill: #9fb3c8; }}
 .active {{ fill: #5c4813; stroke: #f0b429; }}
 }}"""

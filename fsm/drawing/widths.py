@@ -9,14 +9,14 @@ _REGULAR = {
     42: "()[]t!r",
     56: '"*_`sz?c',
     61: "LFkvxyPTYao",
-    66: "eESbdghnpqu$0123456789{}AKV",
-    78: "BRXZCUHNDG&",
+    66: "eESbdghnpqu$0123456789{}K",
+    78: "AVBRXZCUHNDG&",
     88: "OQw#+<=>^~M",
     101: "%mW@",
 }
 _WIDTHS = {letter: width for width, letters in _REGULAR.items() for letter in letters}
 _OTHER = 101
-_BOLD = 1.16
+_BOLD = 1.26
 
 
 def text_width(text: str, size: float, bold: bool = False) -> float:
