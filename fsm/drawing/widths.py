@@ -5,8 +5,8 @@ from __future__ import annotations
 # Advances in hundredths of the font size: DejaVu Sans and its bold, as wide as such fonts get.
 _REGULAR = {
     30: "'ijlIJ",
-    35: " ,./:;\\|f-",
-    42: "()[]t!r",
+    35: " ,./:;\\|f",
+    42: "-()[]t!r",
     56: '"*_`sz?c',
     61: "LFkvxyPTYao",
     66: "eESbdghnpqu$0123456789{}K",
