@@ -15,6 +15,7 @@ from vencejo.version import __version__
 COMMANDS = {
     "run": ("cli.run:run", "Fly a mission."),
     "check": ("cli.check:check", "Check missions without flying them."),
+    "show": ("cli.show:show", "Show a mission's graph as text or as a picture."),
     "missions": ("cli.lists:missions", "List missions, show one, or copy one to change it."),
     "behaviors": ("cli.lists:behaviors", "List behaviours, or explain one."),
     "worlds": ("cli.lists:worlds", "List worlds, or show one."),

@@ -1,4 +1,4 @@
-"""Draws the pictures of the README: `make images`."""
+"""Draws the pictures of the README and the guides: `make images`."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from cli.prepare import prepare
 from cli.recorder import Recorder
 from cli.view import LiveView
 from fsm import parse_parameters
+from fsm.drawing import write_svg
 from fsm.machine import Record
 
 IMAGES = Path(__file__).parent / "images"
@@ -40,9 +41,17 @@ class _Snapshot:
             self.console.print(self.view.picture(pilot, MOMENT / SPEED))
 
 
+def draw_graphs() -> None:
+    """The state graphs of the shipped missions."""
+    for path in sorted(missions.SHIPPED.glob("*.yaml")):
+        graph = prepare(missions.Found(path, path.name)).graph
+        (IMAGES / f"graph_{path.stem}.svg").write_text(write_svg(graph), encoding="utf-8")
+
+
 def main() -> None:
-    """Fly first_flight once and draw both pictures of it."""
+    """Draw the graph of every shipped mission; fly first_flight once and draw that."""
     IMAGES.mkdir(exist_ok=True)
+    draw_graphs()
     prepared = prepare(missions.find("first_flight"))
     plan = Plan(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=90, file=io.StringIO(), force_terminal=True)

@@ -8,6 +8,7 @@ structure must fulfil is tested in :mod:`fsm.checks`.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from itertools import combinations
 
@@ -290,7 +291,8 @@ class _Compiler:
         context, events = self.own.context(scope), self.own.events
         for spec in specs:
             with self.faults.collecting():
-                found.append(actions.compile_action(spec, context, events, self.vocabulary))
+                action = actions.compile_action(spec, context, events, self.vocabulary)
+                found.append(replace(action, node=spec.node))
         return tuple(found)
 
     def edges(self, node: Node, trigger: TriggerSpec, scope: Scope) -> tuple[Edge, ...]:

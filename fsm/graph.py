@@ -21,6 +21,7 @@ from fsm.expressions import Compiled
 from fsm.spec import MissionSpec, StateType, TriggerKind
 from fsm.types import Type
 from fsm.vocabulary import Behavior, Parameter, Vocabulary, matches
+from vencejo import nodes
 from vencejo.errors import Fault, Where
 
 
@@ -44,6 +45,8 @@ class Action:
     where: Where
     run: Callable[[Any, dict[str, Any]], None]
     """Of the instance and the fields of the event."""
+    node: nodes.Node | None = None
+    """What stands behind its word in the file, to show it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,60 @@
+"""drone-cli show: a mission's graph as text, as a picture, or in another program's language."""
+
+from __future__ import annotations
+
+import importlib
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from cli import missions
+from cli.options import MissionName, Word
+from cli.prepare import prepare
+from fsm import Graph
+from vencejo.errors import UserError, Where
+
+WRITERS = {
+    "text": "fsm.drawing:write_text",
+    "mermaid": "fsm.drawing:write_mermaid",
+    "dot": "fsm.drawing:write_dot",
+    "svg": "fsm.drawing:write_svg",
+    "scxml": "fsm.scxml_writer:write_scxml",
+}
+
+
+@click.command()
+@click.argument("mission", type=MissionName())
+@click.option(
+    "--format",
+    "format_",
+    type=Word(list(WRITERS)),
+    default="text",
+    show_default=True,
+    help="How to show it.",
+)
+@click.option("--world", metavar="NAME|FILE", help="Check it against another world.")
+@click.option("-o", "--output", metavar="FILE", help="Write to a file instead of the terminal.")
+def show(mission: str, format_: str, world: str | None, output: str | None) -> None:
+    """Show the graph of MISSION: a file, or a name as for `run`.
+
+    text is an indented outline; svg a picture; mermaid and dot are for Mermaid and
+    Graphviz; scxml is for other statechart tools.
+    """
+    text = _written(prepare(missions.find(mission), world).graph, format_)
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        Path(output).write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError("unwritable", f"cannot write '{output}': {reason}", Where(output)) from None
+
+
+def _written(graph: Graph, format_: str) -> str:
+    module, _, name = WRITERS[format_].partition(":")
+    if find_spec(module) is None:
+        raise UserError("not-yet", f"the format '{format_}' is not part of this version")
+    written: str = getattr(importlib.import_module(module), name)(graph)
+    return written

@@ -1,0 +1,153 @@
+"""Lines between two rows: horizontal tracks on which no two of them run upon each other.
+
+A net joins terminals of the row above (``upper``) and of the row below (``lower``); a terminal is
+the x of a vertical piece. Where a terminal of one net stands under a terminal of another, the one
+from above must turn off first; a circle of such wishes is cut by giving one net two tracks and a
+spine between them (the "dogleg" of channel routing, Deutsch 1976).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+NEAR = 4.0
+"""Verticals nearer than this would run upon each other."""
+
+
+@dataclass(eq=False, slots=True)
+class Net:
+    """Terminals joined in one channel, and the tracks found for them."""
+
+    upper: list[float]
+    lower: list[float]
+    upper_track: int = 0
+    lower_track: int = 0
+    spine: float | None = None
+    """Where it changes from its upper to its lower track, if those are two."""
+
+    @property
+    def straight(self) -> bool:
+        return self.upper == self.lower and len(self.upper) == 1
+
+
+@dataclass(eq=False, slots=True)
+class _Part:
+    net: Net
+    upper: list[float]
+    lower: list[float]
+    left: float
+    right: float
+    below: set[int] = field(default_factory=set)
+    """Parts that must lie further down."""
+
+
+def route(nets: Sequence[Net], low: float, high: float) -> int:
+    """Give every net its tracks, counted from above; the number of tracks.
+
+    Spines are placed between ``low`` and ``high``.
+    """
+    parts = [
+        _Part(net, net.upper, net.lower, *_extent([*net.upper, *net.lower]))
+        for net in nets
+        if not net.straight
+    ]
+    taken = [x for net in nets for x in (*net.upper, *net.lower)]
+    while True:
+        _constrain(parts)
+        order, stuck = _sorted(parts)
+        if not stuck:
+            break
+        net = min(stuck, key=parts.index).net
+        parts = [part for part in parts if part.net is not net]
+        spine = net.spine = _free((min(net.upper) + min(net.lower)) / 2, taken, low, high)
+        taken.append(spine)
+        parts.append(_Part(net, net.upper, [], *_extent([*net.upper, spine])))
+        parts.append(_Part(net, [], net.lower, *_extent([*net.lower, spine])))
+    return _pack(order, parts)
+
+
+def _extent(xs: list[float]) -> tuple[float, float]:
+    return min(xs), max(xs)
+
+
+def _constrain(parts: list[_Part]) -> None:
+    arriving = sorted((x, index) for index, part in enumerate(parts) for x in part.lower)
+    for part in parts:
+        part.below = {
+            index
+            for x in part.upper
+            for other, index in arriving
+            if abs(other - x) < NEAR and parts[index].net is not part.net
+        }
+    for part in parts:
+        if part.net.spine is not None and part.upper:
+            part.below |= {i for i, p in enumerate(parts) if p.net is part.net and p is not part}
+
+
+def _sorted(parts: list[_Part]) -> tuple[list[int], list[_Part]]:
+    """Indices so that each comes before those below it; the parts in or behind a circle.
+
+    Of those that may come next, the one comes that crosses others least.
+    """
+    above = [0] * len(parts)
+    for part in parts:
+        for index in part.below:
+            above[index] += 1
+    ready = [index for index, count in enumerate(above) if not count]
+    order: list[int] = []
+    while ready:
+        ready.sort(key=lambda index: _rank(parts[index]))
+        index = ready.pop(0)
+        order.append(index)
+        for other in parts[index].below:
+            above[other] -= 1
+            if not above[other]:
+                ready.append(other)
+    placed = set(order)
+    return order, [part for index, part in enumerate(parts) if index not in placed]
+
+
+def _rank(part: _Part) -> tuple[float, float]:
+    if not part.lower:
+        return 0.0, part.right - part.left  # turns back up: the narrow ones inside
+    if not part.upper:
+        return 2.0, part.left - part.right
+    start, end = sum(part.upper) / len(part.upper), sum(part.lower) / len(part.lower)
+    return 1.0, -start if end >= start else start
+
+
+def _pack(order: list[int], parts: list[_Part]) -> int:
+    """The highest track for each that is below what must be above it and free along its extent."""
+    least = [0] * len(parts)
+    tracks: list[list[_Part]] = []
+    for index in order:
+        part = parts[index]
+        track = least[index]
+        while track < len(tracks) and any(
+            part.left < other.right + 3 * NEAR and other.left < part.right + 3 * NEAR
+            for other in tracks[track]
+        ):
+            track += 1
+        while len(tracks) <= track:
+            tracks.append([])
+        tracks[track].append(part)
+        for other in part.below:
+            least[other] = max(least[other], track + 1)
+        if part.upper or part.net.spine is None:
+            part.net.upper_track = track
+        if part.lower or part.net.spine is None:
+            part.net.lower_track = track
+    return len(tracks)
+
+
+def _free(wish: float, taken: list[float], low: float, high: float) -> float:
+    """A place near the wished one where nothing else is vertical; the widest gap if all is full."""
+    steps = range(int(high - low) + 1)
+    for x in sorted((low + step for step in steps), key=lambda x: (abs(x - wish), x)):
+        if all(abs(x - other) >= NEAR for other in taken):
+            return x
+    gaps = sorted({low, *taken, high})
+    left, right = max(pairwise(gaps), key=lambda gap: gap[1] - gap[0])
+    return (left + right) / 2

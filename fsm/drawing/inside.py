@@ -1,0 +1,234 @@
+"""One state laid out: its own words, the states in it, and the lines between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil
+
+from fsm.drawing.channels import Net, route
+from fsm.drawing.picture import XY
+from fsm.drawing.placing import BORDER, PORT_GAP, place
+from fsm.drawing.rows import Item, Key, Rows, Terminal, Wires, layers_of
+from fsm.drawing.widths import text_width
+from fsm.drawing.wiring import Leg, Wire, toward
+from fsm.drawing.words import edges_label, node_lines
+from fsm.graph import Node
+
+NAME_SIZE, LINE_SIZE, LABEL_SIZE = 13.0, 11.0, 11.0
+NAME_HEIGHT, LINE_HEIGHT = 18.0, 15.0
+PAD = 14.0
+TRACK = 8.0
+ARROW = 16.0
+"""Below the last track: a corner and a head."""
+DOT = 10.0
+HISTORY = 26.0
+BESIDE = 6.0
+"""From a line to its label."""
+
+
+@dataclass(eq=False)
+class Inside:
+    """A state's size, and what is where in it, from its upper left corner."""
+
+    node: Node
+    name: str
+    lines: tuple[str, ...]
+    width: float
+    height: float
+    rows: Rows
+    items: dict[Node, Item]
+    """Children."""
+    starts: dict[Key, Item]
+    """Where lines begin here: ports of the upper border, initial dots."""
+    ends: dict[Key, Item]
+    """Ports of the lower border."""
+    labels: dict[Wire, Item]
+    nets: dict[Wires, tuple[Net, float]]
+    """Tracks, and where the first one of the channel is."""
+    tops: list[float]
+    bottoms: list[float]
+    """Of the rows."""
+
+    def at(self, terminal: Terminal, key: Key) -> XY:
+        """Where a line meets an item."""
+        item, top = terminal
+        x = _x(item, top, key)
+        if item.kind == "box":
+            return x, item.y if top else item.y + item.height
+        if item.kind == "dot":
+            return x, item.y + item.height
+        return x, self.tops[item.row] if top else self.bottoms[item.row]
+
+    def follow(self, item: Item, name: Key, key: Key) -> Iterator[XY]:
+        """The points of a line from an item downwards to the child or port it leads to.
+
+        ``name`` is what the item calls it, ``key`` what the others do.
+        """
+        top = False
+        if item.kind == "port":
+            yield _x(item, top, name), 0.0
+        while True:
+            wires = self.rows.leaving[item, top, name]
+            assert wires.sink is not None
+            net, first = self.nets[wires]
+            (x, y), (end_x, end_y) = self.at((item, top), wires.key), self.at(wires.sink, wires.key)
+            yield x, y
+            leave = first + TRACK * (net.lower_track if top else net.upper_track)
+            arrive = first + TRACK * (net.lower_track if wires.sink[1] else net.upper_track)
+            if not net.straight:
+                yield x, leave
+                if net.spine is not None and leave != arrive:
+                    yield net.spine, leave
+                    yield net.spine, arrive
+                yield end_x, arrive
+            yield end_x, end_y
+            item, top, name = wires.sink[0], not wires.sink[1], key
+            if item.kind == "port":
+                yield end_x, self.height
+            if item.kind in ("box", "port"):
+                return
+
+
+def lay_out(
+    node: Node,
+    name: str,
+    children: dict[Node, Inside],
+    legs: Sequence[tuple[Leg, Wire]],
+    ports: tuple[int, int],
+) -> Inside:
+    """The inside of a state whose children are laid out.
+
+    ``ports`` are those its own lines need in its upper and in its lower border.
+    """
+    lines = node_lines(node)
+    width, height = _head_size(node, name, lines)
+    inner = [child for child in node.children if child in children]
+    pairs = {
+        (inner.index(leg.source), inner.index(leg.sink))
+        for leg, _ in legs
+        if leg.source and leg.sink and leg.source is not leg.sink
+    }
+    parallel = node.type == "parallel"
+    first = [toward(node, target) for target in node.initial] if inner else []
+    layers = [0] * len(inner) if parallel else layers_of(inner, first, pairs)
+    rows = Rows(max(layers, default=-1) + 1)
+    made = Inside(node, name, lines, width, height, rows, {}, {}, {}, {}, {}, [], [])
+    if not inner:
+        need = BORDER * 2 + 2 * PORT_GAP * max(ports)
+        made.width = made.width if node.type == "history" else _even(max(width, need))
+        return made
+    rows.add(Item("head", 0, width - 2 * PAD, height - 8, (width - 2 * PAD) / 2))
+    for child, layer in zip(inner, layers, strict=True):
+        box = children[child]
+        made.items[child] = rows.add(_box(box, 2 * layer + 2))
+    _connect(made, legs)
+    place(rows, parallel)
+    _finish(made, children, ports)
+    return made
+
+
+def _x(item: Item, top: bool, key: Key) -> float:
+    return PAD + item.x + (item.above if top else item.below).get(key, 0.0)
+
+
+def _even(width: float) -> float:
+    return 2.0 * ceil(width / 2)
+
+
+def _head_size(node: Node, name: str, lines: tuple[str, ...]) -> tuple[float, float]:
+    if node.type == "history":
+        return HISTORY, HISTORY
+    texts = [text_width(name, NAME_SIZE, bold=True)]
+    texts += [text_width(line, LINE_SIZE) for line in lines]
+    height = 8 + NAME_HEIGHT + LINE_HEIGHT * len(lines) + 8
+    return _even(max(36.0, *texts) + 2 * PAD), height
+
+
+def _box(inside: Inside, row: int) -> Item:
+    half = inside.width / 2
+    box = Item("box", row, inside.width, inside.height, half, inside.node)
+    for key, port in inside.starts.items():
+        if port.kind == "port" and not port.stop:
+            box.above[key] = PAD + port.x - half
+    for key, port in inside.ends.items():
+        if not port.stop:
+            box.below[key] = PAD + port.x - half
+    return box
+
+
+def _connect(made: Inside, legs: Sequence[tuple[Leg, Wire]]) -> None:
+    rows, known = made.rows, set()
+    for leg, wire in legs:
+        if leg in known:
+            continue
+        known.add(leg)
+        source = made.items[leg.source] if leg.source else made.starts.get(leg.out)
+        if source is None and isinstance(leg.out, tuple) and leg.out[0] == "dot":
+            source = rows.add(Item("dot", 1, DOT, DOT, DOT / 2))
+            made.starts[leg.out] = source
+        elif source is None:
+            source = made.starts[leg.out] = rows.port(0, leg.out, leg.stop)
+        if leg.sink:
+            sink = made.items[leg.sink]
+        else:
+            sink = made.ends[leg.key] = rows.port(rows.last, leg.key, leg.stop)
+        label = None
+        if wire.edges and leg is wire.legs[0]:
+            label = made.labels[wire] = _label(edges_label(wire.edges))
+        rows.connect(source, leg.out, sink, leg.key, label)
+
+
+def _label(text: tuple[str, ...]) -> Item:
+    width = max(text_width(line, LABEL_SIZE) for line in text)
+    half = 7.0
+    return Item(
+        "label", 0, half + BESIDE + ceil(width) + 2, LINE_HEIGHT * len(text), half, text=text
+    )
+
+
+def _finish(made: Inside, children: dict[Node, Inside], ports: tuple[int, int]) -> None:
+    """Tracks, heights and the state's own size, when all is in its column."""
+    rows = made.rows
+    items = [item for row in rows.rows for item in row]
+    right = max(item.left + item.width for item in items)
+    up = ports[0] + sum(item.kind == "port" for item in rows.rows[0])
+    down = ports[1] + len(made.ends)
+    made.width = _even(max(right + 2 * PAD, BORDER * 2 + 2 * PORT_GAP * max(up, down)))
+    channels: list[list[Wires]] = [[] for _ in rows.rows]
+    for wires in rows.wires.values():
+        channels[wires.channel].append(wires)
+    y = 0.0
+    for index, row in enumerate(rows.rows):
+        y = _channel(made, channels[index], y)
+        last = index == rows.last
+        # Ports cross the head's row from the border on, and the last one down to the border.
+        made.tops.append(0.0 if index == 0 else y)
+        top = 8.0 if index == 0 else y
+        height = PAD if last else max((item.height for item in row), default=0.0)
+        for item in row:
+            spare = height - item.height
+            item.y = top + {"label": spare / 2, "dot": spare}.get(item.kind, 0.0)
+            region = made.node.type == "parallel" and item.node
+            if region and region.type != "history":
+                item.height = children[region].height = height  # as high as the highest
+        y = top + height
+        made.bottoms.append(y)
+    made.height = y
+
+
+def _channel(made: Inside, channel: list[Wires], y: float) -> float:
+    """Give the lines of a channel their tracks; where it ends."""
+    if not channel:
+        return y + 4
+    nets = [
+        Net(
+            sorted(_x(item, False, wires.key) for item in wires.side(upper=True)),
+            sorted(_x(item, True, wires.key) for item in wires.side(upper=False)),
+        )
+        for wires in channel
+    ]
+    tracks = route(nets, 4.0, made.width - 4)
+    for wires, net in zip(channel, nets, strict=True):
+        made.nets[wires] = net, y + TRACK
+    return y + TRACK + TRACK * max(tracks - 1, 0) + (ARROW if tracks else TRACK)

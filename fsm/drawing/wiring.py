@@ -1,0 +1,100 @@
+"""Which lines a graph has, and which states' insides each of them runs through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fsm.drawing.rows import Key
+from fsm.drawing.words import stays
+from fsm.graph import Edge, Node
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A piece of a line, inside one state."""
+
+    inside: Node
+    source: Node | None
+    """A child; None when it comes from the upper border, or from the initial dot."""
+    out: Key
+    """What the source calls the line."""
+    sink: Node | None
+    """A child; None when it leads to the lower border."""
+    key: Key
+    """The same for all lines that may join on their way to one target."""
+    stop: bool = False
+    """It begins or ends at the border instead of crossing it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """All transitions from one state to another, or (without any) where a state begins."""
+
+    source: Node
+    target: Node
+    edges: tuple[Edge, ...]
+    legs: tuple[Leg, ...]
+    initial: bool = False
+
+
+def wires_of(nodes: tuple[Node, ...]) -> tuple[Wire, ...]:
+    """Every line of a graph, in document order of what it begins at."""
+    found: list[Wire] = []
+    for node in nodes:
+        if node.type == "compound":
+            found.extend(_initial(node, target) for target in node.initial)
+        elif node.type == "history":
+            for target in node.initial:
+                found.append(Wire(node, target, (), tuple(_legs(node, target, False)), True))
+        ways: dict[tuple[Node, bool], list[Edge]] = {}
+        for edge in node.edges():
+            if not stays(edge):
+                for target in edge.targets:
+                    ways.setdefault((target, edge.domain is node), []).append(edge)
+        for (target, inner), edges in ways.items():
+            found.append(Wire(node, target, tuple(edges), tuple(_legs(node, target, inner))))
+    return tuple(found)
+
+
+def toward(place: Node, target: Node) -> Node:
+    """The child of ``place`` that is the target or contains it."""
+    return next(n for n in (target, *target.ancestors) if n.parent is place)
+
+
+def _initial(node: Node, target: Node) -> Wire:
+    key: Key = target.index if target.type == "history" else ("initial", target.index)
+    child = toward(node, target)
+    legs = (Leg(node, None, ("dot", key), child, key), *_inwards(child, target, key))
+    return Wire(node, target, (), legs, True)
+
+
+def _legs(source: Node, target: Node, inner: bool) -> Iterator[Leg]:
+    key, out = target.index, ("out", source.index, target.index, inner)
+    if inner:
+        child = toward(source, target)
+        yield Leg(source, None, out, child, key, stop=True)
+        yield from _inwards(child, target, key)
+        return
+    name: Key = out
+    common = source.parent
+    while common is not target and not (common is None or common.contains(target)):
+        common = common.parent
+    place, inside = source, source.parent
+    while inside is not None and inside is not common:
+        yield Leg(inside, place, name, None, key)
+        place, inside, name = inside, inside.parent, key
+    assert common is not None
+    if common is target:
+        yield Leg(common, place, name, None, key, stop=True)
+        return
+    child = toward(common, target)
+    yield Leg(common, place, name, child, key)
+    yield from _inwards(child, target, key)
+
+
+def _inwards(place: Node, target: Node, key: Key) -> Iterator[Leg]:
+    while place is not target:
+        child = toward(place, target)
+        yield Leg(place, None, key, child, key)
+        place = child

@@ -1,0 +1,128 @@
+"""What a picture of a graph says: states and transitions in words, in full and shortened."""
+
+from __future__ import annotations
+
+from fsm.graph import Action, Edge, Node
+from vencejo import nodes
+
+SHORT = 34
+"""Letters that a line of a picture has at most."""
+
+
+def shortened(text: str, limit: int = SHORT) -> str:
+    """The text in one line, cut with an ellipsis where it is too long."""
+    line = " ".join(text.split())
+    return line if len(line) <= limit else line[: limit - 1].rstrip() + "…"
+
+
+def flow(node: nodes.Node | None) -> str:
+    """A YAML value in one line, as it would stand in flow style."""
+    match node:
+        case nodes.Mapping():
+            return "{" + ", ".join(f"{key.text}: {flow(value)}" for key, value in node) + "}"
+        case nodes.Sequence():
+            return "[" + ", ".join(flow(item) for item in node.items) + "]"
+        case nodes.Scalar():
+            return node.text
+        case _:
+            return ""
+
+
+def action_text(action: Action) -> str:
+    """An action in full: ``set {seen: true}``."""
+    return f"{action.kind} {flow(action.node)}".strip()
+
+
+def action_word(action: Action) -> str:
+    """An action in brief: what it does and to what, without values."""
+    match action.node:
+        case nodes.Mapping() as body if action.kind == "send":
+            return f"send {flow(body.get('event'))}"
+        case nodes.Mapping() as body:
+            return f"{action.kind} {', '.join(key.text for key, _ in body)}"
+        case nodes.Scalar(text=text) if action.kind != "log":
+            return f"{action.kind} {text}"
+        case _:
+            return action.kind
+
+
+def cause(edge: Edge) -> str:
+    """What a transition waits for."""
+    match edge.kind:
+        case "when":
+            lasting = f" for {edge.hold.source}" if edge.hold else ""
+            return f"when {edge.trigger}{lasting}"
+        case "after":
+            return f"after {edge.trigger}"
+        case "always":
+            return "" if edge.guard else "always"
+        case _:
+            return edge.trigger
+
+
+def edge_text(edge: Edge) -> str:
+    """A transition in full, without its target."""
+    guard = f"[{edge.guard.source}]" if edge.guard else ""
+    actions = "; ".join(action_text(action) for action in edge.actions)
+    parts = (cause(edge), guard, f"/ {actions}" if actions else "")
+    return " ".join(part for part in parts if part)
+
+
+def edge_label(edge: Edge) -> str:
+    """A transition in one line of a picture: its parts are shortened before the whole is."""
+    guard = f"[{shortened(edge.guard.source, 22)}]" if edge.guard else ""
+    actions = ", ".join(action_word(action) for action in edge.actions)
+    parts = (
+        shortened(edge.label or cause(edge), 28),
+        guard,
+        f"/ {shortened(actions, 20)}" if actions else "",
+    )
+    return shortened(" ".join(part for part in parts if part), 44)
+
+
+def edges_label(edges: tuple[Edge, ...]) -> tuple[str, ...]:
+    """Transitions that go the same way: plain ones share a line, the others have one each."""
+    lines: list[str] = []
+    plain = False
+    for edge in edges:
+        text = edge_label(edge)
+        bare = edge.kind == "on" and not edge.guard and not edge.actions and not edge.label
+        if bare and plain and len(lines[-1]) + len(text) + 2 <= SHORT:
+            lines[-1] += f", {text}"
+        else:
+            lines.append(text)
+        plain = bare
+    return tuple(lines)
+
+
+def node_lines(node: Node) -> tuple[str, ...]:
+    """What stands in a state besides its name and what leaves it."""
+    lines = []
+    if node.invocation:
+        lines.append(f"do {node.invocation.behavior.name}")
+    blocks = (("entry", node.entry), ("throughout", node.throughout), ("exit", node.exit_actions))
+    for word, actions in blocks:
+        if actions:
+            lines.append(shortened(f"{word} / " + ", ".join(map(action_word, actions))))
+    if node.type == "final" and node.outcome != "done":
+        lines.append(f"outcome {node.outcome}")
+    lines.extend(edge_label(edge) for edge in node.edges() if stays(edge))
+    return tuple(lines)
+
+
+def stays(edge: Edge) -> bool:
+    """Whether a transition is told inside its state: it leaves nothing, or there is no outside."""
+    root = edge.node.parent is None
+    return not edge.targets or (root and edge.targets == (edge.node,))
+
+
+def node_title(node: Node) -> str:
+    """All about a state, for those who point at it."""
+    lines = [node.path or node.local_name, node.description]
+    if node.invocation:
+        lines.append(f"do {node.invocation.behavior.name}")
+    blocks = (("entry", node.entry), ("throughout", node.throughout), ("exit", node.exit_actions))
+    for word, actions in blocks:
+        lines.extend(f"{word}: {action_text(action)}" for action in actions)
+    lines.extend(edge_text(edge) for edge in node.edges() if stays(edge))
+    return "\n".join(line for line in lines if line)
