@@ -83,6 +83,8 @@ class Configuration:
         self._memories: dict[int, Memory] = {}
         self._restoring: list[Memory] = []
         """The memories that the microstep at work gives back."""
+        self._defaults: dict[int, list[Node]] = {}
+        """Per state that the microstep enters, whose default actions follow its own."""
         self._resumed: dict[int, Progress] = {}
         self._broken: set[int] = set()
         """Expressions and actions that failed and have not worked since."""
@@ -164,6 +166,7 @@ class Configuration:
         for node in entering:
             self._enter(node, event)
         self._restoring.clear()
+        self._defaults.clear()
         for edge in edges:
             if edge.after:
                 self.graph.callbacks(edge.after, self._event_data(edge, event))
@@ -175,9 +178,19 @@ class Configuration:
                 continue
             entered = edge.entered
             if entered is None:
-                entered = tuple(entry_set(edge.domain, edge.targets, self._recorded))
+                entered = tuple(self._entered(edge.domain, edge.targets))
             entering.update((node.index, node) for node in entered)
         return [entering[index] for index in sorted(entering)]
+
+    def _entered(self, domain: Node, targets: Iterable[Node]) -> list[Node]:
+        return entry_set(domain, targets, self._recorded, self._defaulted)
+
+    def _defaulted(self, node: Node) -> None:
+        """A state is entered by its `initial`, or a history state for the first time."""
+        if node.default_actions:
+            owner = node.parent if node.type == "history" else node
+            assert owner is not None
+            self._defaults.setdefault(owner.index, []).append(node)
 
     def _settle(self, active: Sequence[Node]) -> None:
         self.active = list(active)
@@ -211,6 +224,8 @@ class Configuration:
         if node.on_enter:
             self.graph.callbacks(node.on_enter, self._event_data(None, event))
         self._run(node.entry, event)
+        for default in self._defaults.get(index, ()):
+            self._run(default.default_actions, event)
         if node.whens:
             self._conditions[index] = [Armed(when) for when in node.whens]
         if node.afters:
@@ -237,6 +252,8 @@ class Configuration:
         self._region_finished(parent, self._internal)
 
     def _outcome(self, owner: Node, word: str, fields: Mapping[str, Any]) -> Event:
+        if self.graph.scxml:
+            return Event(f"done.state.{owner.path}", dict(fields))
         return Event(word, dict(fields), owner, self._entries[owner.index])
 
     def _region_finished(self, region: Node, queue: deque[Event]) -> None:
@@ -280,6 +297,7 @@ class Configuration:
     def _recorded(self, history: Node) -> tuple[Node, ...]:
         memory = self._memories.get(history.index)
         if memory is None:
+            self._defaulted(history)
             return history.initial
         self._restoring.append(memory)
         return memory.states
@@ -309,8 +327,9 @@ class Configuration:
                 self._broken.discard(id(action))
 
     def _failed(self, what: Compiled | Action, message: str) -> None:
-        """Raised once, until what failed works again."""
-        if id(what) in self._broken:
+        """Raised once, until what failed works again; in SCXML by each failing action."""
+        again = self.graph.scxml and isinstance(what, Action)
+        if id(what) in self._broken and not again:
             return
         self._broken.add(id(what))
         fields = {"message": message, "where": str(what.where)}
