@@ -2,16 +2,20 @@
 
 All active atomic states are compared, as a set, at the start and after every event. The cases are
 found in the folder that VENCEJO_CONFORMANCE names, or in ../shared/conformance beside the
-checkout. Only our engine is measured here.
+checkout. With ``--peers`` python-statemachine is installed into a throw-away environment and runs
+the same cases. Engines that need a translation of the cases are not compared yet.
 
-    python -m bench.conformance [--json]
+    python -m bench.conformance [--json] [--peers]
 """
 
 from __future__ import annotations
 
 import json
 import os
+import subprocess
 import sys
+import tempfile
+import venv
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -72,9 +76,36 @@ def _difference(instance: Instance, after: str, expected: list[str]) -> str:
     return "" if active == sorted(expected) else f"after {after}: {active}, not {sorted(expected)}"
 
 
-def measure() -> dict[str, Any]:
+PEER = "python-statemachine==3.2.2"
+
+
+def peer_verdicts() -> dict[str, str]:
+    """What went wrong in each case in the other engine."""
+    with tempfile.TemporaryDirectory() as folder:
+        venv.create(folder, with_pip=True)
+        python = str(Path(folder) / "bin" / "python")
+        subprocess.run([python, "-m", "pip", "--quiet", "install", PEER], check=True)
+        script = str(Path(__file__).parent / "conformance_peer.py")
+        done = subprocess.run(
+            [python, script, str(FOLDER)],
+            input="\n".join(cases()),
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    found: dict[str, str] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def measure(peers: bool = False) -> dict[str, Any]:
     """Passed and failed of each group."""
-    verdicts = {case: verdict(case) for case in cases()}
+    result = _table({case: verdict(case) for case in cases()})
+    if peers:
+        result["peers"] = {PEER: _table(peer_verdicts())}
+    return {**result, "machine": machine()}
+
+
+def _table(verdicts: dict[str, str]) -> dict[str, Any]:
     total = Counter(case.split("/")[0] for case in verdicts)
     passed = Counter(case.split("/")[0] for case, wrong in verdicts.items() if not wrong)
     return {
@@ -86,22 +117,25 @@ def measure() -> dict[str, Any]:
             for case, wrong in verdicts.items()
             if wrong
         },
-        "machine": machine(),
     }
 
 
 def main() -> None:
-    result = measure()
+    result = measure(peers="--peers" in sys.argv and bool(cases()))
     if "--json" in sys.argv:
         print(json.dumps(result))
         return
     if not result["cases"]:
         print("conformance: the cases are not here; set VENCEJO_CONFORMANCE to their folder")
         return
+    columns = {"vencejo": result, **result.get("peers", {})}
     print(f"conformance, SCXML test framework, {result['machine']}")
-    for group, (passed, count) in result["groups"].items():
-        print(f"  {group:32} {passed:3} of {count:3}")
-    print(f"  {'all':32} {result['passed']:3} of {result['cases']:3}")
+    print(f"  {'passed':32}  of {' '.join(f'{name:>26}' for name in columns)}")
+    for group, (_, count) in result["groups"].items():
+        passed = " ".join(f"{table['groups'][group][0]:26}" for table in columns.values())
+        print(f"  {group:32} {count:3} {passed}")
+    passed = " ".join(f"{table['passed']:26}" for table in columns.values())
+    print(f"  {'all':32} {result['cases']:3} {passed}")
     for case, wrong in result["failed"].items():
         print(f"  {case}: {wrong}")
 
