@@ -38,7 +38,7 @@ def names() -> dict[str, Path]:
 def find(mission: str) -> Found:
     """The file of a mission given by path or name. Raises UserError."""
     path = Path(mission)
-    if path.exists() or "/" in mission or path.suffix in (".yaml", ".yml"):
+    if path.exists() or "/" in mission or path.suffix in (".yaml", ".yml", ".scxml"):
         if not path.exists():
             near = (
                 [str(other) for other in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []

@@ -10,6 +10,8 @@ from behaviors import drone_vocabulary, load_all
 from behaviors.catalog import Own
 from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, read_mission
+from fsm.scxml import Element, import_mission, is_mission, load_document, read_document
+from fsm.spec import StateSpec
 from vencejo.errors import Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
@@ -36,14 +38,32 @@ def prepare(found: Found, world: str | None = None) -> Prepared:
 
     Raises UserError with every fault that was found.
     """
-    spec = read_mission(found.path, found.shown_as)
+    document = read_document(found.path, found.shown_as) if _is_scxml(found) else None
+    spec = _spec(found, document)
     folder = found.path.parent
     word, where = world_word(spec.world, folder, world)
     place = find_world(word, where)
     vocabulary = drone_vocabulary(uses(spec, found.path), place.places)
-    graph = compile_mission(spec, vocabulary)
+    if document is not None and not is_mission(document):
+        graph = load_document(document, spec.name, vocabulary)
+    else:
+        graph = compile_mission(spec, vocabulary)
     files = (found.path, *_others(spec, found.path))
     return Prepared(found, spec, graph, place, word, files)
+
+
+def _is_scxml(found: Found) -> bool:
+    return found.path.suffix == ".scxml"
+
+
+def _spec(found: Found, document: Element | None) -> MissionSpec:
+    """The mission as written; of a foreign document no more than its name."""
+    if document is None:
+        return read_mission(found.path, found.shown_as)
+    if is_mission(document):
+        return import_mission(document, found.shown_as)
+    name = document.get("name") or found.path.stem
+    return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound"))
 
 
 def uses(spec: MissionSpec, path: Path) -> Own:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -19,7 +18,7 @@ WRITERS = {
     "mermaid": "fsm.drawing:write_mermaid",
     "dot": "fsm.drawing:write_dot",
     "svg": "fsm.drawing:write_svg",
-    "scxml": "fsm.scxml_writer:write_scxml",
+    "scxml": "fsm.scxml:write_scxml",
 }
 
 
@@ -54,7 +53,9 @@ def show(mission: str, format_: str, world: str | None, output: str | None) -> N
 
 def _written(graph: Graph, format_: str) -> str:
     module, _, name = WRITERS[format_].partition(":")
-    if find_spec(module) is None:
-        raise UserError("not-yet", f"the format '{format_}' is not part of this version")
-    written: str = getattr(importlib.import_module(module), name)(graph)
+    write = getattr(importlib.import_module(module), name)
+    if format_ == "scxml" and graph.source is None:
+        raise UserError("is-scxml", "this is a document in SCXML already")
+    # SCXML is written from what a person wrote, the rest from the graph it became.
+    written: str = write(graph.source if format_ == "scxml" else graph)
     return written

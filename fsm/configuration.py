@@ -80,6 +80,8 @@ class Configuration:
         self._memories: dict[int, Memory] = {}
         self._restoring: list[Memory] = []
         """The memories that the microstep at work gives back."""
+        self._defaults: dict[int, list[Node]] = {}
+        """Per state that the microstep enters, whose default actions follow its own."""
         self._resumed: dict[int, Progress] = {}
         self._broken: set[tuple[Where, str]] = set()
         """Expressions and actions that failed and have not worked since: place, and text or kind.
@@ -183,6 +185,7 @@ class Configuration:
         for node in entering:
             self._enter(node, event)
         self._restoring.clear()
+        self._defaults.clear()
         for edge in edges:
             if edge.after:
                 self.graph.callbacks(edge.after, self._event_data(edge, event))
@@ -205,8 +208,18 @@ class Configuration:
 
     def _entered_by(self, edge: Edge) -> Sequence[Node]:
         if edge.entered is None and edge.domain is not None:
-            return entry_set(edge.domain, edge.targets, self._recorded)
+            return self._entered(edge.domain, edge.targets)
         return edge.entered or ()
+
+    def _entered(self, domain: Node, targets: Iterable[Node]) -> list[Node]:
+        return entry_set(domain, targets, self._recorded, self._defaulted)
+
+    def _defaulted(self, node: Node) -> None:
+        """A state is entered by its `initial`, or a history state for the first time."""
+        if node.default_actions:
+            owner = node.parent if node.type == "history" else node
+            assert owner is not None
+            self._defaults.setdefault(owner.index, []).append(node)
 
     def _settle(self, mask: int) -> None:
         self._here = active(self.graph, mask)
@@ -234,6 +247,8 @@ class Configuration:
             self._call(node.on_enter, event)
         if node.entry:
             self._run(node.entry, event)
+        for default in self._defaults.get(index, ()) if self._defaults else ():
+            self._run(default.default_actions, event)
         if node.whens:
             self._conditions[index] = [Armed(when) for when in node.whens]
         if node.afters:
@@ -281,6 +296,8 @@ class Configuration:
         self._region_finished(parent, self._internal)
 
     def _outcome(self, owner: Node, word: str, fields: Mapping[str, Any]) -> Event:
+        if self.graph.scxml:
+            return Event(f"done.state.{owner.path}", dict(fields))
         return Event(word, dict(fields), owner, self._entries[owner.index])
 
     def _region_finished(self, region: Node, queue: deque[Event]) -> None:
@@ -333,6 +350,7 @@ class Configuration:
     def _recorded(self, history: Node) -> tuple[Node, ...]:
         memory = self._memories.get(history.index)
         if memory is None:
+            self._defaulted(history)
             return history.initial
         self._restoring.append(memory)
         return memory.states
@@ -356,14 +374,14 @@ class Configuration:
             try:
                 action.run(self, event.fields)
             except FAILURES as error:
-                self._failed(action.where, action.kind, f"{action.kind}: {error}")
+                self._failed(action.where, action.kind, f"{action.kind}: {error}", action=True)
                 return
             if self._broken:
                 self._broken.discard((action.where, action.kind))
 
-    def _failed(self, where: Where, what: str, message: str) -> None:
-        """Raised once, until what failed works again."""
-        if (where, what) in self._broken:
+    def _failed(self, where: Where, what: str, message: str, action: bool = False) -> None:
+        """Raised once, until what failed works again; in SCXML by each failing action."""
+        if (where, what) in self._broken and not (action and self.graph.scxml):
             return
         self._broken.add((where, what))
         fields = {"message": message, "where": str(where)}

@@ -160,6 +160,9 @@ class Node(State):
         self.entered_slot = -1
         self.data: tuple[Data, ...] = ()
         self.entry: tuple[Action, ...] = ()
+        self.default_actions: tuple[Action, ...] = ()
+        """SCXML's actions of a default entry, run after those of the state; a history state's
+        belong to its first time."""
         self.exit_actions: tuple[Action, ...] = ()
         self.throughout: tuple[Action, ...] = ()
         self.invocation: Invocation | None = None
@@ -245,6 +248,14 @@ class Graph:
         """A hash of what the mission says; saved runs and records know it by this."""
         return "" if self.source is None else digest_of(self.source)
 
+    event_slot: int = -1
+    """Where ``_event`` of an SCXML document stands; -1 in a mission."""
+
+    @property
+    def scxml(self) -> bool:
+        """Whether this came from an SCXML document: finished states then raise `done.state.ID`."""
+        return self.event_slot >= 0
+
     def callbacks(self, functions: Iterable[Any], event_data: EventData) -> None:
         """Run `transitions` callbacks with the event's data."""
         for function in functions:
@@ -274,12 +285,15 @@ def default_entry(node: Node) -> tuple[Node, ...]:
 
 
 def entry_set(
-    domain: Node, targets: Iterable[Node], recorded: Callable[[Node], tuple[Node, ...]]
+    domain: Node,
+    targets: Iterable[Node],
+    recorded: Callable[[Node], tuple[Node, ...]],
+    defaulted: Callable[[Node], None] = lambda node: None,
 ) -> list[Node]:
     """The states that a transition enters below ``domain``, in document order.
 
     SCXML's computeEntrySet (W3C recommendation, appendix D); ``recorded`` gives the states a
-    history state stands for.
+    history state stands for, ``defaulted`` is told of each state entered by its ``initial``.
     """
     entering: dict[int, Node] = {}
 
@@ -297,6 +311,7 @@ def entry_set(
             return
         entering[node.index] = node
         if node.type == "compound":
+            defaulted(node)
             enter(node.initial, node)
         elif node.type == "parallel":
             fill(node)

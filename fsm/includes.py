@@ -9,7 +9,7 @@ from fsm.faults import Faults
 from fsm.reader import spec_of
 from fsm.spec import MissionSpec
 from vencejo.errors import UserError, nearest
-from vencejo.nodes import Scalar, read_file, read_text
+from vencejo.nodes import Mapping, Scalar, read_file, read_text
 
 MAX_INCLUDES = 64
 """Graphs inside graphs."""
@@ -27,8 +27,13 @@ def read_mission_text(
     text: str, file: str = "mission.yaml", folder: Path | None = None
 ) -> MissionSpec:
     """The mission of a text, whose includes lie in ``folder``. Raises UserError likewise."""
+    return mission_of(read_text(text, file), file, Path(file).stem, folder)
+
+
+def mission_of(node: Mapping, file: str, name: str, folder: Path | None = None) -> MissionSpec:
+    """The mission of nodes that are there already. Raises UserError likewise."""
     faults = Faults()
-    spec = spec_of(read_text(text, file), file, Path(file).stem, faults)
+    spec = spec_of(node, file, name, faults)
     _Library(faults).link(spec, folder, spec.graphs, (spec,))
     faults.raise_any()
     return spec

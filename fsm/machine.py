@@ -20,7 +20,7 @@ from typing import Any
 
 from fsm.configuration import NOTHING, Configuration, Event, Record, Running
 from fsm.functions import FAILURES
-from fsm.graph import Edge, Graph, Invocation, Node, default_entry, entry_set
+from fsm.graph import Edge, Graph, Invocation, Node, default_entry
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
 from fsm.suspension import WAKING, shift_clocks, stop_behaviors
@@ -77,11 +77,15 @@ class Instance(Configuration):
     def may_trigger(self, event: str, **fields: Any) -> bool:
         """Whether an event would take a transition now. Changes nothing."""
         before = len(self.records), len(self._internal), set(self._broken)
+        # In a mission this is some value that is given back as it was.
+        shown = self.slots[self.graph.event_slot]
+        self._show(Event(event, fields))
         possible = not self.ended and bool(self._select(Event(event, fields)))
         del self.records[before[0] :]
         while len(self._internal) > before[1]:
             self._internal.pop()
         self._broken = before[2]
+        self.slots[self.graph.event_slot] = shown
         return possible
 
     def post(self, name: str, fields: Mapping[str, Any] | None = None) -> None:
@@ -89,6 +93,14 @@ class Instance(Configuration):
         event = Event(name, dict(fields or {}))
         urgent = self.graph.vocabulary.is_urgent(name)
         (self._urgent if urgent else self._external).append(event)
+
+    def next_due(self) -> float | None:
+        """The earliest time at which a period would hear an event; None while none waits."""
+        if self.ended:
+            return None
+        if self._urgent or self._external:
+            return self.now
+        return self._delayed[0].due if self._delayed else None
 
     # -- the mission period -----------------------------------------------------------------
 
@@ -149,10 +161,11 @@ class Instance(Configuration):
         if self.active or self.ended:
             return
         root = self.graph.root
-        entered = [root, *entry_set(root, default_entry(root), self._recorded)]
+        entered = [root, *self._entered(root, default_entry(root))]
         self._settle(sum(node.mask for node in entered))
         for node in entered:
             self._enter(node, NOTHING)
+        self._defaults.clear()
         self._stabilise()
 
     def _due_sends(self) -> None:
@@ -197,6 +210,7 @@ class Instance(Configuration):
             self._is_active(owner) and self._entries[owner.index] == event.entry
         ):
             return False
+        self._show(event)
         edges = self._select(event)
         shown: dict[str, Any] = {"name": event.name}
         if owner is not None:
@@ -213,6 +227,11 @@ class Instance(Configuration):
         elif self._must_react(event):
             self.reactions.append((event.name, event.fields))
         return bool(edges)
+
+    def _show(self, event: Event) -> None:
+        """SCXML keeps the event at hand in a variable, until the next one comes."""
+        if self.graph.event_slot >= 0:
+            self.slots[self.graph.event_slot] = {"name": event.name, "data": event.fields}
 
     def _must_react(self, event: Event) -> bool:
         name = event.name

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from fsm import read_mission
+from fsm.scxml import write_scxml
 from tests.cli.run_cli import run_cli
 
 Write = Callable[[str, str], str]
@@ -151,3 +153,29 @@ def test_a_file_that_cannot_be_read_is_said(tmp_path: Path) -> None:
     result = run_cli("check", "m.yaml")
     assert result.code == 2
     assert "no UTF-8 text" in result.err
+
+
+SCXML = """<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0">
+<state id="a"><transition event="t" target="b"/></state><final id="b"/></scxml>"""
+
+
+def test_scxml_is_checked_too(tmp_path: Path) -> None:
+    path = tmp_path / "doc.scxml"
+    path.write_text(SCXML)
+    good = run_cli("check", str(path))
+    assert (good.code, good.out) == (0, f"{path}: may fly, 2 states\n")
+    path.write_text(SCXML.replace('target="b"', 'target="c"'))
+    wrong = run_cli("check", str(path))
+    assert wrong.code == 2
+    assert f"{path}:2:45: error: there is no state 'c' [unknown-target]" in wrong.err
+
+
+def test_a_mission_that_went_out_as_scxml_is_checked_as_one(hop: str, tmp_path: Path) -> None:
+    path = tmp_path / "hop.scxml"
+    path.write_text(write_scxml(read_mission(Path(hop))))
+    good = run_cli("check", str(path))
+    assert good.code == 0
+    path.write_text(path.read_text().replace("<v:do>takeoff", "<v:do>takeof"))
+    wrong = run_cli("check", str(path))
+    assert wrong.code == 2
+    assert "did you mean 'takeoff'?" in wrong.err

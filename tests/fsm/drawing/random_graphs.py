@@ -5,8 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
-from fsm import Graph, Vocabulary, compile_mission
-from fsm.reader import read_mission_text
+from fsm import Graph, Vocabulary, compile_mission, read_mission_text
 
 EVENTS = ("a.x", "b.long_name_of_an_event", "c.y")
 VOCABULARY = Vocabulary(behaviors={}, events={event: {} for event in EVENTS})

@@ -1,0 +1,144 @@
+"""The 112 structural cases of the SCXML test framework: passed of each group, and what failed.
+
+All active atomic states are compared, as a set, at the start and after every event. The cases are
+found in the folder that VENCEJO_CONFORMANCE names, or in ../shared/conformance beside the
+checkout. With ``--peers`` python-statemachine is installed into a throw-away environment and runs
+the same cases. Engines that need a translation of the cases are not compared yet.
+
+    python -m bench.conformance [--json] [--peers]
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import venv
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from bench.machine import machine
+from fsm import Instance
+from fsm.scxml import advance, load_document, read_document
+from vencejo.errors import UserError
+
+_BESIDE = Path(__file__).parents[2] / "shared" / "conformance"
+FOLDER = Path(os.environ.get("VENCEJO_CONFORMANCE", _BESIDE))
+DISPUTED = ("more-parallel/test10", "more-parallel/test10b")
+"""They expect that leaving a region for itself does not leave its parallel state, against the
+W3C's findLCCA and the framework's own test2 to test8."""
+
+
+def cases() -> list[str]:
+    """The names of all cases; none where the folder is absent."""
+    listed = FOLDER / "structural.txt"
+    if not listed.exists():
+        return []
+    return [line for line in listed.read_text().split("\n") if line and not line.startswith("#")]
+
+
+def verdict(case: str) -> str:
+    """What went wrong in a case; empty when it passed."""
+    path = FOLDER / "scion" / f"{case}.scxml"
+    expected = json.loads(path.with_suffix(".json").read_text())
+    try:
+        instance = Instance(load_document(read_document(path), case), NoHost())
+    except UserError as error:
+        return str(error)
+    now = 0.0
+    advance(instance, now)
+    wrong = _difference(instance, "the start", expected["initialConfiguration"])
+    for step in expected["events"]:
+        now += step.get("after", 0) / 1000
+        advance(instance, now)
+        event = step["event"]
+        instance.post(event["name"], event.get("data"))
+        advance(instance, now)
+        wrong = wrong or _difference(instance, event["name"], step["nextConfiguration"])
+    return wrong
+
+
+class NoHost:
+    """These documents have no behaviours."""
+
+    def begin(self, *_: Any) -> Any:
+        raise NotImplementedError
+
+    def call(self, *_: Any) -> None:
+        raise NotImplementedError
+
+
+def _difference(instance: Instance, after: str, expected: list[str]) -> str:
+    active = sorted(instance.paths())
+    return "" if active == sorted(expected) else f"after {after}: {active}, not {sorted(expected)}"
+
+
+PEER = "python-statemachine==3.2.2"
+
+
+def peer_verdicts() -> dict[str, str]:
+    """What went wrong in each case in the other engine."""
+    with tempfile.TemporaryDirectory() as folder:
+        venv.create(folder, with_pip=True)
+        python = str(Path(folder) / "bin" / "python")
+        subprocess.run([python, "-m", "pip", "--quiet", "install", PEER], check=True)
+        script = str(Path(__file__).parent / "conformance_peer.py")
+        done = subprocess.run(
+            [python, script, str(FOLDER)],
+            input="\n".join(cases()),
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    found: dict[str, str] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def measure(peers: bool = False) -> dict[str, Any]:
+    """Passed and failed of each group."""
+    result = _table({case: verdict(case) for case in cases()})
+    if peers:
+        result["peers"] = {PEER: _table(peer_verdicts())}
+    return {**result, "machine": machine()}
+
+
+def _table(verdicts: dict[str, str]) -> dict[str, Any]:
+    total = Counter(case.split("/")[0] for case in verdicts)
+    passed = Counter(case.split("/")[0] for case, wrong in verdicts.items() if not wrong)
+    return {
+        "cases": len(verdicts),
+        "passed": sum(passed.values()),
+        "groups": {group: [passed[group], count] for group, count in sorted(total.items())},
+        "failed": {
+            case: ("disputed; " if case in DISPUTED else "") + wrong
+            for case, wrong in verdicts.items()
+            if wrong
+        },
+    }
+
+
+def main() -> None:
+    result = measure(peers="--peers" in sys.argv and bool(cases()))
+    if "--json" in sys.argv:
+        print(json.dumps(result))
+        return
+    if not result["cases"]:
+        print("conformance: the cases are not here; set VENCEJO_CONFORMANCE to their folder")
+        return
+    columns = {"vencejo": result, **result.get("peers", {})}
+    print(f"conformance, SCXML test framework, {result['machine']}")
+    print(f"  {'passed':32}  of {' '.join(f'{name:>26}' for name in columns)}")
+    for group, (_, count) in result["groups"].items():
+        passed = " ".join(f"{table['groups'][group][0]:26}" for table in columns.values())
+        print(f"  {group:32} {count:3} {passed}")
+    passed = " ".join(f"{table['passed']:26}" for table in columns.values())
+    print(f"  {'all':32} {result['cases']:3} {passed}")
+    for case, wrong in result["failed"].items():
+        print(f"  {case}: {wrong}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,169 @@
+"""XML as elements that know their place. Document types and entities are refused outright."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from vencejo.errors import UserError, Where
+from vencejo.nodes import MAX_BYTES, MAX_NODES
+
+MAX_DEPTH = 100
+"""64 states deep, and what stands inside the innermost."""
+
+SCXML = "http://www.w3.org/2005/07/scxml"
+OURS = "urn:vencejo:scxml:1"
+"""The namespace of what SCXML lacks; its names begin with ``v:`` in :class:`Element`."""
+
+
+@dataclass(slots=True)
+class Element:
+    """One element. Names of SCXML stand as they are, ours begin with ``v:``."""
+
+    tag: str
+    attributes: dict[str, str]
+    where: Where
+    places: dict[str, Where] = field(default_factory=dict)
+    """Where the value of each attribute begins."""
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+    text_where: Where | None = None
+
+    def get(self, name: str) -> str | None:
+        return self.attributes.get(name)
+
+    def place(self, name: str) -> Where:
+        """Where an attribute's value begins, or else the element."""
+        return self.places.get(name, self.where)
+
+    def all(self, *tags: str) -> Iterator[Element]:
+        """The children with one of these tags."""
+        return (child for child in self.children if child.tag in tags)
+
+    def walk(self) -> Iterator[Element]:
+        """This element and all inside it, in document order."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+def read_document(path: Path, shown_as: str | None = None) -> Element:
+    """The root of an XML file. Raises UserError."""
+    name = shown_as or str(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError("unreadable", f"cannot read '{name}': {reason}", Where(name)) from None
+    return parse_document(data, name)
+
+
+def parse_document(data: bytes | str, file: str) -> Element:
+    """The root of an XML text. Raises UserError at the very line and column."""
+    try:
+        data = data.encode() if isinstance(data, str) else data
+    except UnicodeEncodeError:
+        raise UserError("not-text", "the text holds what is no letter", Where(file)) from None
+    if len(data) > MAX_BYTES:
+        raise UserError("too-large", "the file is larger than 1 MiB", Where(file))
+    return _Parser(data, file).parse()
+
+
+class _Parser:
+    """Builds the tree from expat's events."""
+
+    def __init__(self, data: bytes, file: str) -> None:
+        self.data = data
+        self.file = file
+        self.open: list[Element] = []
+        self.texts: list[list[str]] = []
+        self.root: Element | None = None
+        self.count = 0
+        self.expat = expat.ParserCreate(namespace_separator=" ")
+        # Unbuffered, so that a text is told of where it stands and not where it ends.
+        self.expat.buffer_text = False
+        self.expat.StartElementHandler = self.start
+        self.expat.EndElementHandler = self.end
+        self.expat.CharacterDataHandler = self.characters
+        # Without a document type there are no entities that could grow or read files.
+        self.expat.StartDoctypeDeclHandler = self.refuse
+
+    def parse(self) -> Element:
+        try:
+            self.expat.Parse(self.data, True)
+        except expat.ExpatError as error:
+            where = Where(self.file, error.lineno, error.offset + 1)
+            reason = expat.errors.messages[error.code]
+            raise UserError("bad-xml", f"this is no XML: {reason}", where) from None
+        except (ValueError, LookupError) as error:
+            raise UserError("bad-xml", f"this is no XML: {error}", Where(self.file)) from None
+        assert self.root is not None, "expat refuses a document without a root"
+        return self.root
+
+    def where(self) -> Where:
+        line, column = self.expat.CurrentLineNumber, self.expat.CurrentColumnNumber
+        return Where(self.file, line, column + 1)
+
+    def refuse(self, *_: object) -> None:
+        raise UserError(
+            "document-type",
+            "a document type is not accepted",
+            self.where(),
+            "remove `<!DOCTYPE …>`; no entity is needed in a state graph",
+        )
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        where = self.where()
+        self.count += 1 + len(attributes)
+        if self.count > MAX_NODES:
+            raise UserError("too-many-nodes", f"more than {MAX_NODES} values in one file", where)
+        if len(self.open) >= MAX_DEPTH:
+            raise UserError("too-deep", f"more than {MAX_DEPTH} elements nested", where)
+        named = {_name(name): value for name, value in attributes.items()}
+        element = Element(_name(tag), named, where)
+        if named:
+            self.locate(element)
+        if self.open:
+            self.open[-1].children.append(element)
+        else:
+            self.root = element
+        self.open.append(element)
+        self.texts.append([])
+
+    def locate(self, element: Element) -> None:
+        """Find the attributes in the text: expat tells only where the element begins."""
+        begin = self.expat.CurrentByteIndex
+        tag = _TAG.match(self.data, begin)
+        for found in _ATTRIBUTE.finditer(tag[0]) if tag else ():
+            before = self.data[begin : begin + found.end("open")]
+            line = before.count(b"\n")
+            last = before.rpartition(b"\n")[2].decode(errors="replace")
+            first = element.where.column if line == 0 else 1
+            place = Where(self.file, element.where.line + line, first + len(last))
+            element.places[found["name"].decode(errors="replace")] = place
+
+    def end(self, tag: str) -> None:
+        self.open.pop().text = "".join(self.texts.pop())
+
+    def characters(self, text: str) -> None:
+        element = self.open[-1]
+        if element.text_where is None and text.strip():
+            blank = len(text) - len(text.lstrip())
+            element.text_where = self.where().right(blank)
+        self.texts[-1].append(text)
+
+
+_TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
+_ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"'])")
+
+
+def _name(name: str) -> str:
+    """An expat name, which is ``namespace local``, in short."""
+    namespace, _, local = name.rpartition(" ")
+    if namespace in ("", SCXML):
+        return local
+    return f"v:{local}" if namespace == OURS else f"{{{namespace}}}{local}"

@@ -1,0 +1,275 @@
+"""Missions that went out as SCXML, read again: the way back of :mod:`fsm.scxml.writer`.
+
+The document becomes the nodes of the YAML it came from, in the places of the document, and the
+mission's own reader does the rest: all its rules and messages hold here too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from fsm.includes import mission_of
+from fsm.scxml.document import Element
+from fsm.scxml.writer import DATAMODEL
+from fsm.spec import MissionSpec
+from vencejo.errors import UserError, Where
+from vencejo.nodes import Mapping, Node, Scalar, Sequence, read_text
+
+_STATES = ("state", "parallel", "final", "history")
+_BLOCKS = {"onentry": "entry", "onexit": "exit", "v:throughout": "throughout"}
+_TRIGGERS = {"event": "on", "v:when": "when", "v:after": "after"}
+_SEND = {"event": "event", "id": "id", "delayexpr": "delay"}
+
+Entry = tuple[Scalar, Node]
+
+
+def is_mission(root: Element) -> bool:
+    """Whether a document is one of ours."""
+    return root.get("datamodel") == DATAMODEL
+
+
+def import_mission(root: Element, file: str) -> MissionSpec:
+    """The mission of a document that :func:`fsm.scxml.writer.write_scxml` wrote, or like it.
+
+    Raises UserError with all mistakes of form.
+    """
+    importer = _Importer(root)
+    body = importer.state(root, "")
+    name = root.get("name")
+    if name is not None:
+        body.entries.insert(0, (_key("mission", root), Scalar(name, root.place("name"))))
+    return mission_of(body, file, name or "mission")
+
+
+class _Importer:
+    """Turns elements into nodes; knows all states, to name targets as YAML does."""
+
+    def __init__(self, root: Element) -> None:
+        self.children: dict[str, set[str]] = {}
+        for element in root.walk():
+            if element.tag in (*_STATES, "scxml"):
+                names = {_name(child, element) for child in element.all(*_STATES)}
+                self.children[element.get("id") or ""] = names
+
+    def state(self, element: Element, path: str) -> Mapping:
+        entries: list[Entry] = []
+        if element.get("v:type") is not None:
+            entries.append((_key("type", element), _attribute(element, "v:type")))
+        elif element.tag in ("parallel", "final", "history"):
+            entries.append((_key("type", element), Scalar(element.tag, element.where)))
+        if element.get("initial") is not None:
+            entries.append((_key("initial", element), self.within(element, "initial", path)))
+        for child in element.children:
+            if child.tag in _BLOCKS:
+                entries.append((_key(_BLOCKS[child.tag], child), self.actions(child.children)))
+            elif child.tag.startswith("v:"):
+                entries.append((_key(child.tag[2:], child), _content(child)))
+            elif child.tag == "donedata":
+                entries.append(_named("output", child, child.all("param"), "name"))
+            elif child.tag == "datamodel":
+                entries.append(_named("data", child, child.all("data"), "id"))
+            elif child.tag not in (*_STATES, "transition"):
+                message = f"<{child.tag}> is not part of a mission"
+                raise UserError("not-supported", message, child.where)
+        entries += self.history(element, path) if element.tag == "history" else ()
+        entries += self.triggers(element, path) if element.tag != "history" else ()
+        states = list(element.all(*_STATES))
+        if states:
+            inner: list[Entry] = []
+            for child in states:
+                name = Scalar(_name(child, element), child.place("id"))
+                inner.append((name, self.state(child, child.attributes["id"])))
+            entries.append((_key("states", element), Mapping(inner, element.where)))
+        return Mapping(entries, element.where)
+
+    def history(self, element: Element, path: str) -> Iterator[Entry]:
+        if element.get("type") == "deep":
+            yield _key("deep", element), Scalar("true", element.place("type"))
+        for transition in element.all("transition"):
+            around = path.rpartition(".")[0]
+            yield _key("target", transition), self.within(transition, "target", around)
+
+    def within(self, element: Element, attribute: str, path: str) -> Scalar:
+        """A state named from the one around it."""
+        scalar = _attribute(element, attribute)
+        prefix = f"{path}." if path else ""
+        return replace(scalar, text=scalar.text.removeprefix(prefix))
+
+    # -- transitions ------------------------------------------------------------------------
+
+    def triggers(self, element: Element, path: str) -> Iterator[Entry]:
+        """The transitions of a state by kind; those of one trigger become its alternatives."""
+        kinds: dict[str, list[tuple[Scalar, list[Node]]]] = {}
+        for transition in element.all("transition"):
+            attribute = next((name for name in _TRIGGERS if transition.get(name)), None)
+            kind = _TRIGGERS[attribute] if attribute else "always"
+            key = _attribute(transition, attribute) if attribute else _key("always", transition)
+            if key.text in (f"done.state.{path}", f"done.invoke.{path}"):
+                key = replace(key, text="done")
+            found = kinds.setdefault(kind, [])
+            alternative = self.transition(transition, path)
+            if found and found[-1][0].text == key.text:
+                found[-1][1].append(alternative)
+            else:
+                found.append((key, [alternative]))
+        for kind, triggers in kinds.items():
+            if kind == "always":
+                ((key, alternatives),) = triggers
+                yield key, Sequence(alternatives, key.where)
+                continue
+            entries: list[Entry] = []
+            for key, alternatives in triggers:
+                if any(key.text == other.text for other, _ in entries):
+                    message = f"the alternatives of '{key.text}' must follow each other"
+                    raise UserError("duplicate-key", message, key.where)
+                entries.append((key, Sequence(alternatives, key.where)))
+            yield _key(kind, element), Mapping(entries, element.where)
+
+    def transition(self, element: Element, path: str) -> Node:
+        entries: list[Entry] = []
+        ids = (element.get("target") or "").split()
+        if ids:
+            where = element.place("target")
+            targets: list[Node] = [Scalar(self.relative(path, id_), where) for id_ in ids]
+            entries.append((_key("target", element), Sequence(targets, where)))
+            inside = all(id_.startswith(f"{path}." if path else "") for id_ in ids)
+            if path and inside and element.get("type") != "internal":
+                entries.append((_key("reenter", element), Scalar("true", element.where)))
+        if element.get("cond") is not None:
+            entries.append((_key("guard", element), _attribute(element, "cond")))
+        known = {*(name for name in _TRIGGERS), *(key.text for key, _ in entries)}
+        for name in element.attributes:
+            if name.startswith("v:") and name not in known and name[2:] not in known:
+                entries.append((_key(name[2:], element), _value(element, name)))
+        if element.children:
+            entries.append((_key("actions", element), self.actions(element.children)))
+        return Mapping(entries, element.where)
+
+    def relative(self, source: str, target: str) -> str:
+        """A name for a state that is looked up from ``source`` outwards, as in YAML."""
+        nearer: set[str] = set()
+        place = source
+        while True:
+            prefix = f"{place}." if place else ""
+            inside = target.removeprefix(prefix)
+            first = inside.partition(".")[0]
+            if target.startswith(prefix) and inside != "" and first not in nearer:
+                return inside
+            nearer |= self.children.get(place, set())
+            if not place:
+                return target
+            place = place.rpartition(".")[0]
+
+    # -- actions ----------------------------------------------------------------------------
+
+    def actions(self, elements: Iterable[Element]) -> Sequence:
+        blocks: list[Node] = []
+        where = Where("")
+        for element in elements:
+            where = element.where
+            blocks.append(Mapping([_action(element)], where))
+        return Sequence(blocks, where)
+
+
+def _action(element: Element) -> Entry:
+    match element.tag:
+        case "assign":
+            return _named("set", element, [element], "location")
+        case "v:set" | "v:append":
+            return _named(element.tag[2:], element, element.all("assign"), "location")
+        case "raise":
+            event: Node = _attribute(element, "event")
+            if element.get("v:with") is not None and isinstance(event, Scalar):
+                event = Mapping([(event, _value(element, "v:with"))], event.where)
+            return _key("raise", element), event
+        case "send":
+            entries: list[Entry] = [
+                (_key(_SEND.get(name, name.removeprefix("v:")), element), _value(element, name))
+                for name in element.attributes
+            ]
+            return _key("send", element), Mapping(entries, element.where)
+        case "cancel":
+            return _key("cancel", element), _value(element, "sendidexpr")
+        case "log":
+            return _key("log", element), _value(element, "expr")
+    if element.tag.startswith("v:"):
+        return _key(element.tag[2:], element), _content(element)
+    raise UserError("not-supported", f"<{element.tag}> is no action of a mission", element.where)
+
+
+def _name(child: Element, parent: Element) -> str:
+    """A state's own name; its id is its path."""
+    around, id_ = parent.get("id"), child.get("id") or ""
+    prefix = f"{around}." if around else ""
+    name = id_.removeprefix(prefix)
+    if not id_.startswith(prefix) or not name or "." in name:
+        message = f"the id '{id_}' is not the state's path"
+        raise UserError("wrong-id", message, child.place("id"), f"{prefix}name")
+    return name
+
+
+def _key(name: str, element: Element) -> Scalar:
+    return Scalar(name, element.where)
+
+
+def _attribute(element: Element, name: str) -> Scalar:
+    text = element.get(name)
+    if text is None:
+        message = f"<{element.tag}> needs `{name}`"
+        raise UserError("missing-attribute", message, element.where)
+    return Scalar(text, element.place(name))
+
+
+def _named(key: str, element: Element, parts: Iterable[Element], name: str) -> Entry:
+    """A map from the parts of an element: each has a name and an `expr`."""
+    entries: list[Entry] = [(_attribute(part, name), _value(part, "expr")) for part in parts]
+    return _key(key, element), Mapping(entries, element.where)
+
+
+def _value(element: Element, attribute: str) -> Node:
+    """The YAML value in an attribute."""
+    scalar = _attribute(element, attribute)
+    return _yaml(scalar.text, scalar.where)
+
+
+def _content(element: Element) -> Node:
+    """The YAML value that is an element's text."""
+    return _yaml(element.text.strip(), element.text_where or element.where)
+
+
+_LEAD = "v: "
+
+
+def _yaml(text: str, where: Where) -> Node:
+    """One value, its places moved to where it stands in the document. Raises UserError."""
+    try:
+        node = read_text(_LEAD + text, where.file)
+    except UserError as error:
+        moved = [
+            replace(f, where=_moved(f.where, where) if f.where else None) for f in error.faults
+        ]
+        raise UserError.of(moved) from None
+    if len(node.entries) != 1:
+        raise UserError("bad-yaml", "one value belongs here", where)
+    return _shift(node.entries[0][1], where)
+
+
+def _moved(place: Where, where: Where) -> Where:
+    if place.line > 1:
+        return Where(where.file, where.line + place.line - 1, place.column)
+    return where.right(max(0, place.column - 1 - len(_LEAD)))
+
+
+def _shift(node: Node, where: Where) -> Node:
+    place = _moved(node.where, where)
+    match node:
+        case Scalar():
+            return replace(node, where=place)
+        case Sequence(items=items):
+            return Sequence([_shift(item, where) for item in items], place)
+        case Mapping(entries=entries):
+            moved: list[Entry] = []
+            for key, value in entries:
+                moved.append((replace(key, where=_moved(key.where, where)), _shift(value, where)))
+            return Mapping(moved, place)

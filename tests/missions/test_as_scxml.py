@@ -1,0 +1,36 @@
+"""Every shipped mission goes out as SCXML and comes back as the same graph."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from behaviors import drone_vocabulary, load_uses
+from cli.missions import SHIPPED
+from fsm import Graph, MissionSpec, compile_mission, read_mission
+from fsm.scxml import import_mission, parse_document, write_scxml
+
+
+def compiled(spec: MissionSpec) -> Graph:
+    return compile_mission(spec, drone_vocabulary(load_uses(spec.uses, SHIPPED)))
+
+
+def edges(graph: Graph) -> list[tuple[object, ...]]:
+    return [
+        (edge.kind, edge.trigger, edge.node.path, edge.dest, edge.reenter, len(edge.actions))
+        for node in graph.nodes
+        for edge in node.edges()
+    ]
+
+
+@pytest.mark.parametrize("path", sorted(SHIPPED.glob("*.yaml")), ids=lambda path: path.stem)
+def test_it_comes_back(path: Path) -> None:
+    spec = read_mission(path)
+    back = import_mission(parse_document(write_scxml(spec), "m.scxml"), "m.scxml")
+    before, after = compiled(spec), compiled(back)
+    assert [node.path for node in after.nodes] == [node.path for node in before.nodes]
+    assert edges(after) == edges(before)
+    assert after.parameters == before.parameters
+    again = import_mission(parse_document(write_scxml(back), "m.scxml"), "m.scxml")
+    assert write_scxml(again) == write_scxml(back)
