@@ -2,13 +2,14 @@
 
 from worlds.catalog import find_world, world_names
 from worlds.loader import load_world
-from worlds.model import Beacon, Box, Color, Ground, Origin, Start, World
+from worlds.model import Beacon, Box, Color, Ground, Light, Origin, Start, World
 
 __all__ = [
     "Beacon",
     "Box",
     "Color",
     "Ground",
+    "Light",
     "Origin",
     "Start",
     "World",

@@ -8,12 +8,10 @@ from math import cos, sin
 from pathlib import Path
 
 from vencejo.geometry import Point
+from worlds.things import Color, Stripe, Terrain, Thing
 
 START_CLEARANCE = 0.4
 """Free room that a vehicle needs beside its start, metres."""
-
-Color = tuple[int, int, int]
-"""Red, green and blue, 0 to 255."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +33,13 @@ class Ground:
     color: Color
     size: float
     """Length of the coloured square's side, metres."""
+    texture: Path | None = None
+    """A picture laid over it, tiled."""
+    tile: float = 10.0
+    """Side of one tile of that picture, metres."""
+    stripes: tuple[Stripe, ...] = ()
+    """Painted in order, later ones over earlier ones."""
+    terrain: Terrain | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +94,17 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
+class Light:
+    """The sun and the sky."""
+
+    sun: Point = Point(0.3, -0.5, 0.8)
+    """Towards the sun."""
+    ambient: float = 0.6
+    """What a face turned away from the sun still shows of its colour, 0 to 1."""
+    sky: Color = (150, 190, 230)
+
+
+@dataclass(frozen=True, slots=True)
 class World:
     """A place to fly in."""
 
@@ -109,6 +125,9 @@ class World:
     """The file it was read from."""
     sha256: str
     """Of that file's bytes, hexadecimal."""
+    things: tuple[Thing, ...] = ()
+    """Everything to be seen and hit, the boxes and beacons among them."""
+    light: Light = field(default_factory=Light)
 
     def box_near(self, start: Point) -> Box | None:
         """A box that leaves no room for a vehicle to start at a place."""

@@ -1,0 +1,162 @@
+"""What stands, lies and moves in a world, as shapes and looks: what physics and renderers need.
+
+World frame: metres, x east, y north, z up. Attitudes are quaternions (x, y, z, w), local to world.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vencejo.geometry import Point, Quaternion
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Color = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
+UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """A picture file, stretched over the face it is on."""
+
+    path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Fiducial:
+    """A square marker with its white border, drawn when needed."""
+
+    dictionary: str
+    """OpenCV's name without DICT_: ``4X4_50``, ``APRILTAG_36h11``, ``ARUCO_ORIGINAL``."""
+    id: int
+
+
+@dataclass(frozen=True, slots=True)
+class Charuco:
+    """A chessboard with markers in its white squares."""
+
+    dictionary: str
+    columns: int
+    rows: int
+    marker: float
+    """Side of a marker over the side of a square, 0 to 1."""
+
+
+Texture = Image | Fiducial | Charuco
+
+
+@dataclass(frozen=True, slots=True)
+class Cuboid:
+    """Centred on its origin."""
+
+    size: Point
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """Along z, centred on its origin."""
+
+    radius: float
+    height: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """Centred on its origin."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plate:
+    """A rectangle without thickness in the x-y plane, centred, seen from above (+z) only.
+
+    Its texture's upper edge is at +y, its left edge at −x.
+    """
+
+    width: float
+    """Along x."""
+    height: float
+    """Along y."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """Triangles, counter-clockwise seen from outside."""
+
+    vertices: NDArray[np.float64]
+    """(n, 3), metres."""
+    faces: NDArray[np.int32]
+    """(m, 3), indices of vertices."""
+
+
+Shape = Cuboid | Cylinder | Sphere | Plate | Mesh
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One shape of a thing, in the thing's own frame."""
+
+    shape: Shape
+    at: Point
+    """The shape's origin."""
+    attitude: Quaternion
+    color: Color
+    texture: Texture | None = None
+    """On every face of a cuboid, on a plate's one; other shapes have none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A path that a thing follows at a constant speed, facing where it goes.
+
+    Points are of the thing's origin. ``loop`` closes the path, otherwise the thing turns back at
+    both ends.
+    """
+
+    points: tuple[Point, ...]
+    speed: float
+    """m/s."""
+    loop: bool
+    turns: bool
+    """Whether its heading follows the path."""
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """A rigid group of parts with a name."""
+
+    name: str
+    kind: str
+    """The word it is written with: ``box``, ``house``, ``marker``, …"""
+    at: Point
+    attitude: Quaternion
+    parts: tuple[Part, ...]
+    solid: bool = True
+    """Whether vehicles collide with it; plates never do."""
+    motion: Motion | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Stripe:
+    """A painted line on the ground: a road, its edge lines, a mark."""
+
+    points: tuple[tuple[float, float], ...]
+    """The centre line, x and y in metres; smooth curves are sampled already."""
+    width: float
+    color: Color
+
+
+@dataclass(frozen=True, slots=True)
+class Terrain:
+    """Heights over a square about the origin, metres; flat at its border value outside."""
+
+    heights: tuple[tuple[float, ...], ...]
+    """Rows from south to north, each from west to east."""
+    size: float
+    """Side of the square."""
