@@ -2,7 +2,8 @@
 
 from worlds.catalog import find_world, world_names
 from worlds.loader import load_world
-from worlds.model import Beacon, Box, Color, Ground, Light, Origin, Start, World
+from worlds.model import Beacon, Box, Ground, Light, Origin, Start, World
+from worlds.things import Color
 
 __all__ = [
     "Beacon",

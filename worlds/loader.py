@@ -14,7 +14,8 @@ from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind, read_file
 from vencejo.units import ANGLE, LENGTH, RATIO, Dimension, parse_number, read_quantity
-from worlds.model import Beacon, Box, Color, Ground, Origin, Start, World
+from worlds.model import Beacon, Box, Ground, Origin, Start, World
+from worlds.things import Color
 
 COLORS: dict[str, Color] = {
     "asphalt": (70, 70, 75),

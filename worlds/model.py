@@ -97,7 +97,7 @@ class Start:
 class Light:
     """The sun and the sky."""
 
-    sun: Point = Point(0.3, -0.5, 0.8)
+    sun: tuple[float, float, float] = (0.3, -0.5, 0.8)
     """Towards the sun."""
     ambient: float = 0.6
     """What a face turned away from the sun still shows of its colour, 0 to 1."""
