@@ -188,6 +188,10 @@ def worlds(name: str | None, as_json: bool) -> None:
         return
     world = find_world(name)
     start = world.starts[0]
+    contents: dict[str, list[str]] = {}
+    for thing in world.things:
+        contents.setdefault(thing.kind, []).append(thing.name)
+    contents |= {"road": [road.name for road in world.roads]} if world.roads else {}
     if as_json:
         facts = {
             "world": world.name,
@@ -196,7 +200,7 @@ def worlds(name: str | None, as_json: bool) -> None:
             "origin": asdict(world.origin) if world.origin else None,
             "battery": world.battery,
             "start": list(start.at),
-            "boxes": [box.name for box in world.boxes],
+            "things": contents,
             "places": {place: list(point) for place, point in world.places.items()},
         }
         click.echo(json.dumps(facts))
@@ -206,13 +210,20 @@ def worlds(name: str | None, as_json: bool) -> None:
         origin = world.origin
         click.echo(f"  origin   {origin.lat:.5f}, {origin.lon:.5f}, {origin.alt:g} m")
     click.echo(f"  start    {start.at.x:g}, {start.at.y:g}; battery {world.battery:.0%}")
-    if world.boxes:
-        click.echo(f"  boxes    {', '.join(box.name for box in world.boxes)}")
+    if contents:
+        click.echo("  contents:")
+        _table([(f"    {kind}", _some(names)) for kind, names in contents.items()])
     if world.places:
         click.echo("  places:")
         _table(
             [(f"    {place}", f"{p.x:g}, {p.y:g}, {p.z:g}") for place, p in world.places.items()]
         )
+
+
+def _some(names: list[str]) -> str:
+    """A few names, and how many more there are."""
+    shown = ", ".join(names[:8])
+    return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown
 
 
 @click.command()

@@ -148,13 +148,14 @@ def crossing_of(line: Sequence[XY]) -> XY | None:
                 break
             # Too far apart to meet; and the next legs are at most that much nearer.
             apart = dist(a, c) - lengths[k] - longest
-            if apart <= 0 and _meet(a, b, c, d):
+            if apart <= 0 and legs_meet(a, b, c, d):
                 return c
             other += max(1, int(apart / longest))
     return None
 
 
-def _meet(a: XY, b: XY, c: XY, d: XY) -> bool:
+def legs_meet(a: XY, b: XY, c: XY, d: XY) -> bool:
+    """Whether two straight legs have a point in common."""
     beside = any(
         max(a[k], b[k]) < min(c[k], d[k]) or max(c[k], d[k]) < min(a[k], b[k]) for k in (0, 1)
     )

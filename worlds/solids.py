@@ -7,7 +7,7 @@ from math import hypot, inf, sqrt
 
 from vencejo.geometry import Point, Quaternion, product, rotate_xy, turned, yaw_of
 from worlds.motion import pose_at
-from worlds.things import Cuboid, Cylinder, Mesh, Part, Plate, Shape, Sphere, Thing
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Part, Plate, Shape, Sphere, Thing
 
 START_CLEARANCE = 0.4
 """Free room that a vehicle needs beside its start."""
@@ -93,3 +93,19 @@ def _is_near(part: Part, at: Point, attitude: Quaternion, start: Point) -> bool:
         low.x - START_CLEARANCE < start.x < high.x + START_CLEARANCE
         and low.y - START_CLEARANCE < start.y < high.y + START_CLEARANCE
     )
+
+
+def distance_to(shape: Shape, place: Point) -> float:
+    """How far a place is from a shape's surface, both in the shape's own frame; of a mesh, from its
+    bounds.
+    """
+    if isinstance(shape, Sphere):
+        return abs(place.norm() - shape.radius)
+    if isinstance(shape, Cylinder):
+        about = hypot(place.x, place.y) - shape.radius
+        over = [about, abs(place.z) - shape.height / 2]
+    else:
+        low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
+        over = [max(a - v, v - b) for a, v, b in zip(low, place, high, strict=True)]
+    outside = hypot(*(max(0.0, v) for v in over))
+    return outside or -max(over)

@@ -149,7 +149,9 @@ def above_zero(dimension: Dimension) -> Value[float]:
         return value
 
     number, text = any_sign.schema["anyOf"]
-    return Value(read, {"anyOf": [{**number, "exclusiveMinimum": 0}, text]})
+    pattern = text["pattern"].replace("^", "^(?=[+0.]*[1-9])", 1)
+    positive = {"type": "string", "pattern": pattern}
+    return Value(read, {"anyOf": [{**number, "exclusiveMinimum": 0}, positive]})
 
 
 def degrees(most: float) -> Value[float]:
