@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from math import dist
 from typing import NamedTuple
 
@@ -138,19 +138,19 @@ def _pieces(road: Draft) -> list[tuple[XY, ...]]:
 def crossing_of(line: Sequence[XY]) -> XY | None:
     """A place where a polyline meets itself, beside its ends meeting."""
     legs = list(pairwise(line))
-    lengths = [dist(a, b) for a, b in legs]
-    longest = max(lengths)
-    for k, (a, b) in enumerate(legs):
-        other = k + 2
-        while other < len(legs):
-            c, d = legs[other]
-            if (k, other) == (0, len(legs) - 1) and line[0] == line[-1]:
-                break
-            # Too far apart to meet; and the next legs are at most that much nearer.
-            apart = dist(a, c) - lengths[k] - longest
-            if apart <= 0 and legs_meet(a, b, c, d):
-                return c
-            other += max(1, int(apart / longest))
+    side = max(dist(a, b) for a, b in legs)
+    # Legs that meet begin less than two sides apart: in cells that are next but one at most.
+    cells: dict[tuple[int, int], list[int]] = {}
+    places = [(int(a[0] // side), int(a[1] // side)) for a, _ in legs]
+    for k, cell in enumerate(places):
+        cells.setdefault(cell, []).append(k)
+    around = list(product(range(-2, 3), repeat=2))
+    for k, (i, j) in enumerate(places):
+        for di, dj in around:
+            for other in cells.get((i + di, j + dj), ()):
+                closing = k == 0 and other == len(legs) - 1 and line[0] == line[-1]
+                if other > k + 1 and not closing and legs_meet(*legs[k], *legs[other]):
+                    return legs[other][0]
     return None
 
 

@@ -11,11 +11,11 @@ from worlds.motion import track_of
 from worlds.solids import bounds_of, part_pose, solid_parts
 from worlds.things import Terrain, Thing
 
-_CELL = 4.0
+_CELL = 2.0
 """Side of a cell, metres."""
 _ROOM = 0.6
 """How far a vehicle reaches and flies in one mission period, metres."""
-_LARGE = 400.0
+_LARGE = 200.0
 """What is longer than this, metres, counts everywhere."""
 
 
