@@ -75,3 +75,14 @@ def piece(points: Sequence[Coordinates], begin: float, end: float) -> list[Coord
             found.append(_mix(a, b, way, way + step, min(end, way + step)))
         way += step
     return found
+
+
+def every(points: Sequence[Coordinates], step: float) -> list[Coordinates]:
+    """Places along a polyline, a step apart."""
+    found, way = list[Coordinates](), 0.0
+    for a, b in pairwise(points):
+        end = way + dist(a, b)
+        while len(found) * step < end:
+            found.append(_mix(a, b, way, end, len(found) * step))
+        way = end
+    return found
