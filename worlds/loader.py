@@ -45,15 +45,13 @@ NAMED = ("roads", *KINDS, "beacons", "places")
 def load_world(path: Path) -> World:
     """The world in a file. Raises UserError with every fault of the file."""
     root = read_file(path)
-    digest = sha256(path.read_bytes())
-    for file in _files(root):
-        digest.update(file.read_bytes())
-    return _world(root, path, digest.hexdigest())
+    files = tuple(dict.fromkeys((path, *_files(root))))
+    return _world(root, path, path.read_text("utf-8-sig"), files)
 
 
 def read_world(text: str, name: str) -> World:
     """The world in a text; ``name`` stands for its file. Raises UserError with every fault."""
-    return _world(read_text(text, name), Path(name), sha256(text.encode()).hexdigest())
+    return _world(read_text(text, name), Path(name), text, ())
 
 
 def _files(node: Node) -> Iterator[Path]:
@@ -71,7 +69,7 @@ def _files(node: Node) -> Iterator[Path]:
                 yield from _files(value)
 
 
-def _world(root: nodes.Mapping, source: Path, digest: str) -> World:
+def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]) -> World:
     keys, faults = read_fields(root, "a world", FIELDS)
     named = {key: keys.get(key, Names()) for key in NAMED}
     for key in NAMED:
@@ -105,11 +103,18 @@ def _world(root: nodes.Mapping, source: Path, digest: str) -> World:
         battery=keys["battery"],
         places=MappingProxyType(beacons | places),
         source=source,
-        sha256=digest,
+        sha256=_digest([file.read_bytes() for file in files] or [text.encode()]),
         things=things,
         light=keys["light"],
         roads=tuple(road.road(key.text) for key, road in named["roads"].entries),
+        text=text,
+        files=files,
     )
+
+
+def _digest(contents: list[bytes]) -> str:
+    """Of one content its SHA-256; of several that of all in a row."""
+    return sha256(b"".join(contents)).hexdigest()
 
 
 def _repeated(named: Mapping[str, Names[Any]]) -> Iterator[Fault]:

@@ -90,4 +90,8 @@ class World:
     things: tuple[Thing, ...] = ()
     """Everything to be seen and hit, in the order of the kinds."""
     roads: tuple[Road, ...] = ()
+    text: str = ""
+    """The world file, as read."""
+    files: tuple[Path, ...] = ()
+    """The file itself and the pictures, meshes and models it names; a generated world has none."""
     light: Light = field(default_factory=Light)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections import deque
 from math import dist
+from pathlib import Path
 
 import pytest
 
+from tests.cli.run_cli import run_cli
 from vencejo.errors import UserError
 from vencejo.geometry import Point
 from worlds import World, curves, find_world
@@ -101,3 +103,11 @@ def test_a_forest_has_a_way_through(number: int) -> None:
     for thing in world.things:
         assert all(dist(thing.at, o.at) >= TREES_APART for o in world.things if o is not thing)
     assert way_through(world, world.places["goal"])
+
+
+def test_a_run_keeps_the_generated_world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cli.run._draw", lambda folder: None)
+    assert run_cli("run", "first_flight", "--world", "forest:3", "--json").code == 0
+    (kept,) = tmp_path.glob("runs/*/forest_3.yaml")
+    assert kept.read_text() == generate("forest", 3)
