@@ -104,6 +104,8 @@ def distance_to(shape: Shape, place: Point) -> float:
     if isinstance(shape, Cylinder):
         about = hypot(place.x, place.y) - shape.radius
         over = [about, abs(place.z) - shape.height / 2]
+    elif isinstance(shape, Cuboid):
+        over = [abs(v) - side / 2 for v, side in zip(place, shape.size, strict=True)]
     else:
         low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
         over = [max(a - v, v - b) for a, v, b in zip(low, place, high, strict=True)]

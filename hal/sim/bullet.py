@@ -146,9 +146,9 @@ class Bullet:
         return BulletBody(p, self._client, body, self._register)
 
     def step(self) -> None:
-        self._steps += 1
         for mover in self._movers:
-            mover.aim(self._steps * STEP)
+            mover.drive(self._steps)
+        self._steps += 1
         self._p.stepSimulation(self._client)
 
     def ray(self, start: Triple, end: Triple) -> Point | None:

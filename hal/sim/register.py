@@ -11,6 +11,10 @@ from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import distance_to
 
 
+_CELLS = 50
+"""A metre in cells of two centimetres."""
+
+
 class Solid(NamedTuple):
     """What a body consists of; the ground has no pieces."""
 
@@ -24,6 +28,8 @@ class Register:
     def __init__(self, p: Any, client: int) -> None:
         self._p, self._client = p, client
         self._solids: dict[int, Solid] = {}
+        self._found: dict[tuple[int, ...], str] = {}
+        """Names by body and cell."""
 
     def add(self, body: int, solid: Solid) -> None:
         self._solids[body] = solid
@@ -31,16 +37,18 @@ class Register:
     def name_at(self, body: int, place: Triple) -> str:
         """The name of the thing whose surface is at a place; empty for the ground.
 
-        A contact does not tell which shape of a body it is with, so its place has to.
+        A contact does not tell which shape of a body it is with, so its place has to. The pieces
+        of a body that moves are all of one thing.
         """
         pieces, moves = self._solids[body]
-        if len(pieces) <= 1:
+        if len(pieces) <= 1 or moves:
             return pieces[0].name if pieces else ""
-        there = Point(*place)
-        if moves:
-            at, attitude = self._p.getBasePositionAndOrientation(body, self._client)
-            there = turned(there.minus(at), _inverse(attitude))
-        return min(pieces, key=lambda piece: _distance(piece, there)).name
+        # What presses against a thing touches it in the same places, step after step.
+        cell = (body, *(round(v * _CELLS) for v in place))
+        if cell not in self._found:
+            there = Point(*place)
+            self._found[cell] = min(pieces, key=lambda piece: _distance(piece, there)).name
+        return self._found[cell]
 
     def velocity_at(self, body: int, place: Triple) -> Triple:
         """How a body moves at a place, m/s."""
