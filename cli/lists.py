@@ -176,8 +176,8 @@ def _explain(behavior: Behavior) -> None:
 @click.argument("name", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def worlds(name: str | None, as_json: bool) -> None:
-    """List the worlds that are shipped, or show NAME (or a file)."""
-    from worlds import find_world, world_names
+    """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
+    from worlds import find_world, world_families, world_names
 
     if name is None:
         rows = [(key, find_world(key).description) for key in world_names()]
@@ -185,6 +185,8 @@ def worlds(name: str | None, as_json: bool) -> None:
             click.echo(json.dumps([{"world": key, "description": text} for key, text in rows]))
         else:
             _table(rows)
+            click.echo("\ngenerated, by number (roads:17):")
+            _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
         return
     world = find_world(name)
     start = world.starts[0]
