@@ -157,9 +157,10 @@ class Bullet:
 
     def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> BulletEchoes:
         hits = self._cast(starts, ends)
+        lengths = map(dist, starts, ends)
         distances = [
-            hit[2] * dist(start, end) if hit[0] >= 0 else inf
-            for hit, start, end in zip(hits, starts, ends, strict=True)
+            hit[2] * length if hit[0] >= 0 else inf
+            for hit, length in zip(hits, lengths, strict=True)
         ]
         return BulletEchoes(distances, hits, self._register)
 
