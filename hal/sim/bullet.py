@@ -15,13 +15,15 @@ from typing import Any
 from hal.sim.movers import Mover
 from hal.sim.physics import GRAVITY, STEP, State, Touches, Triple
 from hal.sim.register import Register, Solid
-from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of
+from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of, skin
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
-from worlds.things import UPRIGHT, Cuboid, Mesh, Terrain, Thing
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
 
-_RAY, _FIXED, _FREE = 1, 2, 4
-"""Groups that meet or not; Bullet's rays are of the group 1."""
+_RAY, _FIXED, _FREE, _SEEN = 1, 2, 4, 8
+"""Groups. Two bodies meet when either's mask has the other's group; a ray, which is of group 1,
+meets a body when both do.
+"""
 _GAP = 0.005
 """Bodies this near touch, metres: Bullet tells of contacts a little before."""
 _BELOW = 0.5
@@ -89,14 +91,21 @@ class Bullet:
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
         p, client = self._p, self._client
         if terrain is not None:
-            self._fix(*hills(p, client, terrain))
+            shape, middle = hills(p, client, terrain)
+            self._fix(shape, at=middle)
         pieces = [piece for each in things if each.motion is None for piece in pieces_of(each)]
+        cuboids = [piece for piece in pieces if isinstance(piece.shape, Cuboid)]
+        round_ones = [piece for piece in pieces if isinstance(piece.shape, Cylinder | Sphere)]
         # One body per sixteen shapes: each static body by itself would cost time at every step.
-        for chunk in chunks([piece for piece in pieces if not isinstance(piece.shape, Mesh)]):
-            self._fix(compound(p, client, chunk), pieces=chunk)
+        for chunk in chunks(cuboids):
+            self._fix(compound(p, client, chunk), chunk, mask=_FREE)
+        for chunk in chunks(round_ones):
+            self._fix(compound(p, client, chunk), chunk)
+        if cuboids:
+            self._fix(skin(p, client, cuboids), cuboids, group=_SEEN, mask=_RAY)
         for piece in pieces:
             if isinstance(piece.shape, Mesh):
-                self._fix(mesh(p, client, piece), pieces=[piece])
+                self._fix(mesh(p, client, piece), [piece])
         for each in things:
             if each.motion is not None:
                 for chunk in chunks(pieces_of(each)):
@@ -104,12 +113,20 @@ class Bullet:
                     self._settle(mover.body, _FIXED, _FREE | _RAY, Solid(chunk, moves=True))
                     self._movers.append(mover)
 
-    def _fix(self, shape: int, at: Point = _ORIGIN, pieces: Sequence[Piece] = ()) -> None:
+    def _fix(
+        self,
+        shape: int,
+        pieces: Sequence[Piece] = (),
+        *,
+        at: Point = _ORIGIN,
+        group: int = _FIXED,
+        mask: int = _FREE | _RAY,
+    ) -> None:
         """A static body; as a plain rigid body (maximal coordinates) it costs next to nothing."""
         body = self._p.createMultiBody(
             0, shape, -1, at, useMaximalCoordinates=1, physicsClientId=self._client
         )
-        self._settle(body, _FIXED, _FREE | _RAY, Solid(pieces))
+        self._settle(body, group, mask, Solid(pieces))
 
     def _settle(self, body: int, group: int, mask: int, solid: Solid) -> None:
         p, client = self._p, self._client
@@ -166,7 +183,7 @@ class Bullet:
 
     def _cast(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> Any:
         return self._p.rayTestBatch(
-            starts, ends, collisionFilterMask=_FIXED, physicsClientId=self._client
+            starts, ends, collisionFilterMask=_FIXED | _SEEN, physicsClientId=self._client
         )
 
     def close(self) -> None:
