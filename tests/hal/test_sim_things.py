@@ -252,7 +252,7 @@ def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
     free = 0
     for _ in range(800):
         place = Point(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(0, 7))
-        if not skyline.reached_by(*place):
+        if not skyline.thing_near(*place):
             free += 1
             for thing in solid:
                 low, high = bounds_of(thing.parts[0].shape, thing.at, thing.attitude)
@@ -263,9 +263,22 @@ def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
 
 def test_a_skyline_follows_what_moves() -> None:
     skyline = Skyline([pad(1.0)], None)
-    assert skyline.reached_by(6, 3, 2.4) and skyline.reached_by(0, 0, 1.5)
-    assert not skyline.reached_by(6, 3, 3.0) and not skyline.reached_by(30, 3, 1.0)
-    assert Skyline([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).reached_by(50, 0, 4.0)
+    assert skyline.thing_near(6, 3, 2.4) and skyline.thing_near(0, 0, 1.5)
+    assert not skyline.thing_near(6, 3, 3.0) and not skyline.thing_near(30, 3, 1.0)
+
+
+def test_what_is_very_long_counts_everywhere() -> None:
+    wall = things("walls: {w: {through: [[0, 0], [900, 0]], height: 3}}")
+    hut = things("boxes: {b: {at: [5, 5], size: [1, 1, 1]}}")
+    for order in ((*wall, *hut), (*hut, *wall)):
+        skyline = Skyline(order, None)
+        assert skyline.thing_near(5, 5, 3.5) and skyline.thing_near(-700, 3, 3.5)
+        assert not skyline.thing_near(5, 5, 3.7)
+
+
+def test_the_ground_ends_above_the_highest_hill() -> None:
+    assert Skyline([], None).ground == pytest.approx(0.6)
+    assert Skyline([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).ground > 4.0
 
 
 def test_a_touch_is_new_once_until_it_is_over() -> None:
