@@ -99,10 +99,9 @@ class Bullet:
         # One body per sixteen shapes: each static body by itself would cost time at every step.
         for chunk in chunks(cuboids):
             self._fix(compound(p, client, chunk), chunk, mask=_FREE)
+            self._fix(skin(p, client, chunk), chunk, group=_SEEN, mask=_RAY)
         for chunk in chunks(round_ones):
             self._fix(compound(p, client, chunk), chunk)
-        if cuboids:
-            self._fix(skin(p, client, cuboids), cuboids, group=_SEEN, mask=_RAY)
         for piece in pieces:
             if isinstance(piece.shape, Mesh):
                 self._fix(mesh(p, client, piece), [piece])

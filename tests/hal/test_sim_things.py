@@ -146,6 +146,25 @@ def test_a_mesh_is_solid_as_it_is(physics: Bullet, tmp_path: Path) -> None:
     assert [echoes.name(k) for k in range(4)] == ["roof", "roof", "roof", ""]
 
 
+def test_a_model_is_solid_as_it_looks(physics: Bullet, tmp_path: Path) -> None:
+    (tmp_path / "lamp.urdf").write_text(
+        '<robot name="lamp"><link name="foot"><visual><geometry>'
+        '<cylinder radius="0.5" length="2"/></geometry></visual></link>'
+        '<joint name="j" type="fixed"><parent link="foot"/><child link="arm"/>'
+        '<origin xyz="0 0 2"/></joint><link name="arm"><visual><geometry>'
+        '<box size="3 0.2 0.2"/></geometry></visual></link></robot>'
+    )
+    (lamp,) = read_world(
+        KEEP_AWAY + "models: {lamp: {at: [5, 0, 1], file: lamp.urdf, heading: 90 deg}}",
+        str(tmp_path / "w.yaml"),
+    ).things
+    physics.add_things([lamp])
+    spots = [(5.3, 0), (5, 1.4), (6.4, 0)]
+    echoes = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [9 - d for d in echoes.distances] == pytest.approx([2, 3.1, 0], abs=1e-6)
+    assert [echoes.name(ray) for ray in range(3)] == ["lamp", "lamp", ""]
+
+
 def test_hills_are_ground(physics: Bullet) -> None:
     heights = ((0.0,) * 4, (0.0, 1.0, 3.0, 0.0), (0.0, 0.0, 2.0, 0.0), (0.0,) * 4)
     physics.add_things([], Terrain(heights, 30.0))
