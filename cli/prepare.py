@@ -7,7 +7,7 @@ from pathlib import Path
 
 from behaviors import drone_vocabulary, load_uses
 from cli.missions import Found
-from fsm import Graph, MissionSpec, compile_mission, read_mission
+from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from vencejo.errors import Where
 from worlds import World, find_world
 
@@ -39,6 +39,7 @@ def prepare(found: Found, world: str | None = None) -> Prepared:
     place = find_world(word, where)
     vocabulary = drone_vocabulary(load_uses(spec.uses, folder), place.places)
     graph = compile_mission(spec, vocabulary)
+    graph.warnings += tuple(prove(graph))
     files = (found.path, *(folder / scalar.text for scalar in spec.uses))
     return Prepared(found, spec, graph, place, word, files)
 

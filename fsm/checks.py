@@ -78,7 +78,9 @@ def _can_finish(node: Node) -> bool:
         return all(map(_can_finish, default_entry(node)))
     if node.children:
         return any(child.type == "final" for child in node.children)
-    return node.invocation is not None and "done" in node.invocation.behavior.outcomes
+    if node.invocation is None:
+        return False
+    return node.invocation.behavior.on_trust or "done" in node.invocation.behavior.outcomes
 
 
 def _endless_states(graph: Graph) -> Iterator[Fault]:

@@ -22,7 +22,7 @@ from fsm.scope import FIRST_HOST_SLOT, Scope, start
 from fsm.spec import ActionSpec, DefineSpec, MissionSpec, StateSpec, TransitionSpec, TriggerSpec
 from fsm.tree import Tree, domain_of, through_history
 from fsm.types import ANY, BOOL, MapOf, Number
-from fsm.vocabulary import Behavior, Vocabulary
+from fsm.vocabulary import Behavior, Parameter, Vocabulary
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import TIME
 
@@ -71,6 +71,7 @@ class _Compiler:
         self.faults = faults
         self.vocabulary = names.vocabulary
         self.events = {**names.raised, **names.events}
+        self.trusting = any(n.invocation and n.invocation.behavior.on_trust for n in tree.nodes)
 
     # -- what stands in each state ----------------------------------------------------------
 
@@ -130,6 +131,8 @@ class _Compiler:
         if name == "*" or name.endswith(".*"):
             family = name[:-1]
             if name != "*" and not any(event.startswith(family) for event in self.names.events):
+                if self.trusting:
+                    return scope.with_event(MapOf())
                 families = {event.split(".")[0] + ".*" for event in self.events}
                 raise UserError(
                     "unknown-event",
@@ -139,6 +142,8 @@ class _Compiler:
                 )
             return scope.with_event(MapOf())
         if "." in name:
+            if name not in self.events and self.trusting:
+                return scope.with_event(MapOf())
             if name not in self.events:
                 raise UserError(
                     "unknown-event",
@@ -170,6 +175,8 @@ class _Compiler:
         if node.type == "parallel":
             found["done"] = [{}]
         for inner in self.tree.nodes[node.index : node.last + 1]:
+            if inner.invocation and inner.invocation.behavior.on_trust:
+                return None
             if inner.invocation:
                 outcomes = {**inner.invocation.behavior.outcomes, "failed": FAILED_FIELDS}
                 for word, fields in outcomes.items():
@@ -190,6 +197,8 @@ class _Compiler:
         for key, entries in (("with", spec.with_), ("live", spec.live)):
             for named in entries:
                 parameter = behavior.parameters.get(named.name.text)
+                if behavior.on_trust:
+                    parameter = Parameter(named.name.text, ANY, live=True)
                 if parameter is None:
                     self.faults.fail(
                         "unknown-parameter",
