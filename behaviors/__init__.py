@@ -15,6 +15,7 @@ from behaviors.params import (
     value,
 )
 from behaviors.pilot import Pilot
+from behaviors.trust import trusted_behaviors
 from behaviors.vocabulary import drone_vocabulary
 from behaviors.watch import Thresholds
 from fsm.vocabulary import Outcome
@@ -40,5 +41,6 @@ __all__ = [
     "live",
     "load_uses",
     "param",
+    "trusted_behaviors",
     "value",
 ]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from behaviors import drone_vocabulary, load_uses
+from behaviors import drone_vocabulary, load_uses, trusted_behaviors
 from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
+from fsm.faults import Faults
 from vencejo.errors import Where
 from worlds import World, find_world
 
@@ -28,17 +29,24 @@ class Prepared:
     """Everything the flight depends on that a person wrote, the mission first."""
 
 
-def prepare(found: Found, world: str | None = None) -> Prepared:
-    """Read and check a mission; runs the Python files it uses.
+def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Prepared:
+    """Read and check a mission; runs the Python files it uses, unless ``code`` is False.
 
     Raises UserError with every fault that was found.
     """
-    spec = read_mission(found.path, found.shown_as)
+    faults = Faults()
+    spec = read_mission(found.path, found.shown_as, faults)
     folder = found.path.parent
     word, where = _world_word(spec, folder, world)
-    place = find_world(word, where)
-    vocabulary = drone_vocabulary(load_uses(spec.uses, folder), place.places)
-    graph = compile_mission(spec, vocabulary)
+    place: World | None = None
+    own = trusted_behaviors(spec.uses, folder)
+    with faults.collecting():
+        place = find_world(word, where)
+    if code:
+        with faults.collecting():
+            own = load_uses(spec.uses, folder)
+    graph = compile_mission(spec, drone_vocabulary(own, place.places if place else None), faults)
+    assert place is not None, "a world that is not there is a fault"
     graph.warnings += tuple(prove(graph))
     files = (found.path, *(folder / scalar.text for scalar in spec.uses))
     return Prepared(found, spec, graph, place, word, files)

@@ -7,6 +7,7 @@ structure must fulfil is tested in :mod:`fsm.checks`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from difflib import get_close_matches
 from itertools import combinations
 
@@ -23,15 +24,20 @@ from fsm.spec import ActionSpec, DefineSpec, MissionSpec, StateSpec, TransitionS
 from fsm.tree import Tree, domain_of, through_history
 from fsm.types import ANY, BOOL, MapOf, Number
 from fsm.vocabulary import Behavior, Parameter, Vocabulary
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.units import TIME
 
 __all__ = ["compile_mission", "parse_parameters"]
 
 
-def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
-    """The graph of a mission. Raises UserError with every fault that would keep it from flying."""
-    faults = Faults()
+def compile_mission(
+    spec: MissionSpec, vocabulary: Vocabulary, found: Iterable[Fault] = ()
+) -> Graph:
+    """The graph of a mission. Raises UserError with every fault that would keep it from flying.
+
+    ``found`` are the faults found in it before; they are reported with the others.
+    """
+    faults = Faults(found)
     tree = Tree(spec.root, FIRST_HOST_SLOT + len(vocabulary.names), faults)
     names = Declarations(spec, vocabulary, tree, faults)
     compiler = _Compiler(tree, names, faults)
@@ -51,14 +57,13 @@ def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
         outer_first=spec.outer_first,
         by_path={node.path: node for node in tree.nodes},
     )
-    if all(fault.severity == "warning" for fault in faults):
-        faults.extend(check(graph))
+    faults.extend(check(graph, whole=all(fault.severity == "warning" for fault in faults)))
     # A define's mistake shows at each of its uses, always at the same place.
-    found = sorted(dict.fromkeys(faults), key=lambda fault: fault.where or Where(""))
-    errors = [fault for fault in found if fault.severity == "error"]
-    if errors:
-        raise UserError.of(errors)
-    graph.warnings = tuple(found)
+    ordered = sorted(dict.fromkeys(faults), key=lambda fault: fault.where or Where(""))
+    ordered.sort(key=lambda fault: fault.severity)
+    if ordered and ordered[0].severity == "error":
+        raise UserError.of(ordered)
+    graph.warnings = tuple(ordered)
     return graph
 
 

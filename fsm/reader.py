@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import cast
 
@@ -42,20 +43,31 @@ _TRIGGER = re.compile(r"\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?")
 _DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
 
 
-def read_mission(path: Path, shown_as: str | None = None) -> MissionSpec:
-    """The mission of a file. Raises UserError with all mistakes of form at once."""
-    return mission_of(read_file(path, shown_as), shown_as or str(path), path.stem)
+def read_mission(
+    path: Path, shown_as: str | None = None, faults: list[Fault] | None = None
+) -> MissionSpec:
+    """The mission of a file. Raises UserError with all mistakes of form at once.
+
+    With ``faults`` they are added there instead, for those of meaning to be found as well.
+    """
+    return mission_of(read_file(path, shown_as), shown_as or str(path), path.stem, faults)
 
 
-def read_mission_text(text: str, file: str = "mission.yaml") -> MissionSpec:
-    """The mission of a text. Raises UserError with all mistakes of form at once."""
-    return mission_of(read_text(text, file), file, Path(file).stem)
+def read_mission_text(
+    text: str, file: str = "mission.yaml", faults: list[Fault] | None = None
+) -> MissionSpec:
+    """The mission of a text (see :func:`read_mission`)."""
+    return mission_of(read_text(text, file), file, Path(file).stem, faults)
 
 
-def mission_of(node: Mapping, file: str, name: str) -> MissionSpec:
+def mission_of(
+    node: Mapping, file: str, name: str, faults: list[Fault] | None = None
+) -> MissionSpec:
     reader = _Reader()
     spec = reader.mission(node, file, name)
-    if reader.faults:
+    if faults is not None:
+        faults.extend(reader.faults)
+    elif reader.faults:
         raise UserError.of(reader.faults)
     return spec
 
@@ -71,7 +83,7 @@ class _Reader:
 
     def mission(self, node: Mapping, file: str, stem: str) -> MissionSpec:
         known = ROOT_KEYS | STATE_KEYS
-        self.keys(node, known, "a mission")
+        node = self.keys(node, known, "a mission")
         name = self.named_scalar(node, "mission", _MISSION_NAME, "letters, digits, - and _")
         language = node.get("language")
         if isinstance(language, Scalar) and language.text != str(LANGUAGE):
@@ -113,7 +125,7 @@ class _Reader:
         type_ = cast(StateType, declared or ("compound" if node.get("states") else "atomic"))
         allowed = {"final": FINAL_KEYS, "history": HISTORY_KEYS}.get(type_, STATE_KEYS)
         if not root:
-            self.keys(node, allowed, f"a {declared} state" if declared else "a state")
+            node = self.keys(node, allowed, f"a {declared} state" if declared else "a state")
         states = self.states(node, depth)
         if type_ == "parallel" and not states:
             self.fail("no-states", "a parallel state needs `states`", where)
@@ -157,7 +169,7 @@ class _Reader:
                 value = Mapping([], key.where)
             if not isinstance(value, Mapping):
                 self.fail("wrong-type", f"a state is a map, not {kind(value)}", value.where)
-                continue
+                value = Mapping([], key.where)
             children.append(self.state(key.text, value, key.where, depth + 1))
         return tuple(children)
 
@@ -241,7 +253,7 @@ class _Reader:
                 "several regions are entered by `target: [a, b]`",
             )
             return None
-        self.keys(node, TRANSITION_KEYS, "a transition")
+        node = self.keys(node, TRANSITION_KEYS, "a transition")
         hold = self.scalar(node, "for")
         if hold and trigger != "when":
             self.fail("misplaced-for", "`for` belongs to `when` only", self.where(node, "for"))
@@ -269,7 +281,7 @@ class _Reader:
                     block.where,
                 )
                 continue
-            self.keys(block, ACTIONS, "actions")
+            block = self.keys(block, ACTIONS, "actions")
             for name, argument in block:
                 if name.text in ACTIONS:
                     found.append(ActionSpec(cast(ActionKind, name.text), argument, name.where))
@@ -277,8 +289,16 @@ class _Reader:
 
     # -- pieces -----------------------------------------------------------------------------
 
-    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> None:
-        for key, _ in node:
+    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> Mapping:
+        """The map with each misspelt key read as the one that was meant."""
+        meant: list[tuple[Scalar, Node]] = []
+        for key, value in node:
+            free = allowed - {other.text for other, _ in node}
+            near = get_close_matches(key.text, free, n=1)
+            if key.text in allowed | NOT_YET or not near:
+                meant.append((key, value))
+            elif near[0] not in {k.text for k, _ in meant}:
+                meant.append((Scalar(near[0], key.where), value))
             if key.text in allowed:
                 continue
             if key.text in NOT_YET:
@@ -294,6 +314,7 @@ class _Reader:
             elif ":" in key.text:
                 hint = "is a blank missing after the colon?"
             self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+        return Mapping(meant, node.where)
 
     def where(self, node: Mapping, key: str) -> Where:
         return next((name.where for name, _ in node if name.text == key), node.where)
