@@ -23,6 +23,7 @@ from fsm.scope import FIRST_HOST_SLOT, Scope, start
 from fsm.spec import ActionSpec, DefineSpec, MissionSpec, StateSpec, TransitionSpec, TriggerSpec
 from fsm.tree import Tree, domain_of, through_history
 from fsm.types import ANY, BOOL, MapOf, Number
+from fsm.unused import unused
 from fsm.vocabulary import Behavior, Parameter, Vocabulary
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.units import TIME
@@ -63,7 +64,7 @@ def compile_mission(
     ordered.sort(key=lambda fault: fault.severity)
     if ordered and ordered[0].severity == "error":
         raise UserError.of(ordered)
-    graph.warnings = tuple(ordered)
+    graph.warnings = (*ordered, *unused(spec))
     return graph
 
 
