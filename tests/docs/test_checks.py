@@ -20,10 +20,11 @@ def codes_in(path: Path) -> Iterator[str]:
             continue
         name = getattr(node.func, "id", getattr(node.func, "attr", ""))
         if name in REPORTERS and node.args:
-            code = node.args[0]
-            for part in (code.body, code.orelse) if isinstance(code, ast.IfExp) else (code,):
-                if isinstance(part, ast.Constant) and CODE.fullmatch(str(part.value)):
-                    yield part.value
+            # The code stands first, or after the node of an expression.
+            for code in node.args[:2]:
+                for part in (code.body, code.orelse) if isinstance(code, ast.IfExp) else (code,):
+                    if isinstance(part, ast.Constant) and CODE.fullmatch(str(part.value)):
+                        yield part.value
 
 
 def in_source() -> set[str]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import builtins
+import json
 import os
 import socket
 import subprocess
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from time import process_time
 
@@ -28,7 +30,8 @@ MISSIONS = [path.read_text() for path in (Path(__file__).parents[2] / "missions"
 def expression(text: str) -> str:
     """A mission that evaluates an expression on entry."""
     quoted = text.replace("'", "''")
-    return f"data: {{x: 1}}\nstates:\n  a: {{entry: {{log: '${{{quoted}}}'}}, on: {{operator.abort: a}}}}\n"
+    state = f"{{entry: {{log: '${{{quoted}}}'}}, on: {{operator.abort: a}}}}"
+    return f"data: {{x: 1}}\nstates:\n  a: {state}\n"
 
 
 def bomb() -> str:
@@ -39,7 +42,7 @@ def bomb() -> str:
 
 
 def nested(depth: int) -> str:
-    return "states: {a: " * depth + "{}" + "}" * depth + "\n"
+    return "states: {a: " + "{states: {a: " * depth + "{}" + "}}" * depth + "}\n"
 
 
 REFUSED = {
@@ -50,15 +53,14 @@ REFUSED = {
     "a merge of itself": ("states: &a {<<: *a}\n", "unknown-anchor"),
     "Python tag": ("states: !!python/object/apply:os.system ['true']\n", "custom-tag"),
     "a text over 1 MiB": ("description: " + "x" * (1 << 20), "too-large"),
-    "a tower of powers": (expression("9**9**9 > x"), "bad-expression"),
     "dunder field": (expression("x.__class__"), "unknown-field"),
     "dunder of a text": (expression("''.__class__.__mro__"), "unknown-field"),
     "dunder name": (expression("__import__('os')"), "unknown-function"),
     "builtins": (expression("__builtins__"), "unknown-name"),
     "open": (expression("open('/etc/passwd')"), "unknown-function"),
     "eval": (expression("eval('1')"), "unknown-function"),
-    "a method": (expression("'{0.__class__}'.format(x)"), "bad-expression"),
-    "a lambda": (expression("(lambda: 1)()"), "bad-expression"),
+    "a method": (expression("'{0.__class__}'.format(x)"), "unknown-function"),
+    "a lambda": (expression("(lambda: 1)()"), "unknown-function"),
     "a walrus": (expression("(y := 1)"), "bad-expression"),
     "a format that reaches": (expression("x:{x.__class__}"), "bad-expression"),
     "a percent format": (expression("'%1000000000d' % x"), "bad-expression"),
@@ -84,7 +86,6 @@ AT_WORK = {
     "a doubling list": "[0] * 10**9",
     "a power": "9**9**9",
     "a comprehension of comprehensions": "len([a for a in "
-    + "".join(f"[{n}," * 1 for n in range(0))
     + "[1, 2, 3, 4, 5, 6, 7, 8, 9, 0] for b in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0] "
     "for c in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0] for d in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0] "
     "for e in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0] for f in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0]])",
@@ -156,7 +157,7 @@ def checked(text: str) -> Graph | tuple[Fault, ...]:
 
 TOKENS = ["on", "do", "states", "type", "parallel", "history", "final", "$", "${", "}", "{", "[",
           "]", ":", ",", "*", "&a", "*a", "<<", "!x", "-1e999", "null", "land", "goto", "done",
-          "link.lost", "__class__", "\t", "'", '"', "#", "|", "home", "a.b", "30 %", "5 s"]  # fmt: skip
+          "link.lost", "__class__", "\t", "'", '"', "#", "|", "home", "a.b", "5 s"]  # fmt: skip
 
 
 @st.composite
@@ -196,12 +197,8 @@ def test_a_mangled_mission_flies_or_is_refused(text: str) -> None:
 @settings(max_examples=100, deadline=None)
 @given(st.text(max_size=60))
 def test_any_expression_has_a_value_or_is_refused(text: str) -> None:
-    graph = checked(
-        'states:\n  a: {on: {operator.abort: b}, when: {"' + text + '": b}}\n  b: {type: final}\n'
-    )
+    graph = checked(f"states:\n  a: {{when: {{{json.dumps(text)}: b}}}}\n  b: {{type: final}}\n")
     if isinstance(graph, Graph):
         condition = graph.nodes[1].whens[0].condition
-        try:
+        with suppress(*FAILURES):
             condition([0.0] * graph.slots)
-        except FAILURES:
-            pass
