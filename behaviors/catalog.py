@@ -61,7 +61,8 @@ def load_uses(files: Sequence[Scalar], folder: Path) -> dict[str, BehaviorInfo]:
     return found
 
 
-def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
+def path_of(scalar: Scalar, folder: Path) -> Path:
+    """The file that a mission names under ``uses``. Raises UserError when it may not be used."""
     name, where = scalar.text, scalar.where
     path = (folder / name).resolve()
     if not path.is_relative_to(folder.resolve()):
@@ -75,6 +76,11 @@ def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
         files = [str(file.relative_to(folder)) for file in folder.glob("*.py")]
         hint = nearest(name, files, None if files else "no Python file lies beside the mission")
         raise UserError("no-such-file", f"there is no file '{name}'", where, hint)
+    return path
+
+
+def _behaviors_in(scalar: Scalar, folder: Path) -> list[BehaviorInfo]:
+    name, where, path = scalar.text, scalar.where, path_of(scalar, folder)
     module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
     spec = importlib.util.spec_from_file_location(module_name, path)
     if spec is None or spec.loader is None:

@@ -7,21 +7,28 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from behaviors.behavior import snake_case
+from behaviors.catalog import path_of
 from fsm.vocabulary import Behavior as BehaviorInfo
+from vencejo.errors import Fault, UserError
 from vencejo.nodes import MAX_BYTES, Scalar
 
 
-def trusted_behaviors(files: Sequence[Scalar], folder: Path) -> dict[str, BehaviorInfo]:
+def trusted_behaviors(
+    files: Sequence[Scalar], folder: Path, faults: list[Fault]
+) -> dict[str, BehaviorInfo]:
     """The behaviours that the files seem to hold; whatever a mission says of them is believed.
 
-    Runs nothing. What cannot be read holds none.
+    Runs nothing. Files that may not be used go to ``faults``; what is no Python holds none.
     """
     found = {}
     for scalar in files:
-        path = (folder / scalar.text).resolve()
-        if path.is_relative_to(folder.resolve()) and path.is_file():
-            for name in _names_in(path):
-                found[name] = BehaviorInfo(name, on_trust=True)
+        try:
+            path = path_of(scalar, folder)
+        except UserError as error:
+            faults.extend(error.faults)
+            continue
+        for name in _names_in(path):
+            found[name] = BehaviorInfo(name, on_trust=True)
     return found
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from behaviors import drone_vocabulary, load_uses, trusted_behaviors
 from cli.missions import Found
-from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
+from fsm import Behavior, Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
 from vencejo.errors import Where
 from worlds import World, find_world
@@ -39,12 +40,14 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     folder = found.path.parent
     word, where = _world_word(spec, folder, world)
     place: World | None = None
-    own = trusted_behaviors(spec.uses, folder)
+    own: Mapping[str, Behavior] | None = None
     with faults.collecting():
         place = find_world(word, where)
     if code:
         with faults.collecting():
             own = load_uses(spec.uses, folder)
+    if own is None:
+        own = trusted_behaviors(spec.uses, folder, faults)
     graph = compile_mission(spec, drone_vocabulary(own, place.places if place else None), faults)
     assert place is not None, "a world that is not there is a fault"
     graph.warnings += tuple(prove(graph))

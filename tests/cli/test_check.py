@@ -258,3 +258,9 @@ def test_without_code_own_behaviours_are_taken_on_trust(write: Write) -> None:
     write("mine.py", CODE)
     assert run_cli("check", "m.yaml").code == 2
     assert Path("was_run").exists()
+
+
+def test_the_schema_is_printed_as_json() -> None:
+    printed = json.loads(run_cli("schema").out)
+    assert printed["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    assert "states" in printed["properties"]

@@ -115,7 +115,9 @@ def test_code_outside_the_folder_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(UserError) as raised:
         load_uses(uses, folder)
     assert raised.value.code == "outside-folder"
-    assert trusted_behaviors(uses, folder) == {}
+    faults: list[Fault] = []
+    assert trusted_behaviors(uses, folder, faults) == {}
+    assert [fault.code for fault in faults] == ["outside-folder"]
 
 
 @pytest.fixture
