@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from behaviors import drone_vocabulary
-from fsm import compile_mission, prove, read_mission
-from fsm import safety as safety_module
+from fsm import compile_mission, exploration, prove, read_mission
 from tests.fsm.toy import VOCABULARY, graph_of, shown
 
 HOST = replace(VOCABULARY, must_land=("link.lost",))
@@ -185,7 +184,7 @@ def regions(count: int, states: int) -> str:
 
 def test_too_many_configurations_are_never_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
     assert proof_of(regions(3, 4)) == []
-    monkeypatch.setattr(safety_module, "MAX_CONFIGURATIONS", 60)
+    monkeypatch.setattr(exploration, "MAX_CONFIGURATIONS", 60)
     assert proof_of(regions(3, 4)) == [
         "1:1 not-proven it is not proven that this mission always lands: there are more than 60 "
         "combinations of active states"
