@@ -80,7 +80,8 @@ def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
     return found
 
 
-def _contents(scalar: Scalar, folder: Path) -> list[BehaviorInfo | Function]:
+def path_of(scalar: Scalar, folder: Path) -> Path:
+    """The file that a mission names under ``uses``. Raises UserError when it may not be used."""
     name, where = scalar.text, scalar.where
     path = (folder / name).resolve()
     if not path.is_relative_to(folder.resolve()):
@@ -94,6 +95,11 @@ def _contents(scalar: Scalar, folder: Path) -> list[BehaviorInfo | Function]:
         files = [str(file.relative_to(folder)) for file in folder.glob("*.py")]
         hint = nearest(name, files, None if files else "no Python file lies beside the mission")
         raise UserError("no-such-file", f"there is no file '{name}'", where, hint)
+    return path
+
+
+def _contents(scalar: Scalar, folder: Path) -> list[BehaviorInfo | Function]:
+    name, where, path = scalar.text, scalar.where, path_of(scalar, folder)
     module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
     spec = importlib.util.spec_from_file_location(module_name, path)
     if spec is None or spec.loader is None:

@@ -13,20 +13,28 @@ PERIOD = 0.025
 """Seconds of one mission period."""
 
 
-def check(graph: Graph) -> list[Fault]:
-    """Every fault of the structure; errors would keep it from flying, warnings would not."""
-    return [
+def check(graph: Graph, *, whole: bool = True) -> list[Fault]:
+    """Every fault of the structure; errors would keep it from flying, warnings would not.
+
+    Of a graph that is not ``whole``, because something in it was wrong already, only what is
+    there is looked at and nothing is missed.
+    """
+    missed = [
         *_unhandled_outcomes(graph),
         *_endless_states(graph),
+        *_unreachable(graph),
+        *_never_done(graph),
+    ]
+    return [
+        *(missed if whole else ()),
         *_companions(graph),
         *_two_owners(graph),
         *_region_restarts(graph),
         *_dead_alternatives(graph),
         *_endless_always(graph),
         *_durations(graph),
-        *_unreachable(graph),
         *_final_regions(graph),
-        *_never_done(graph),
+        *_restarting_histories(graph),
         *_always_on_the_world(graph),
         *_hidden_handlers(graph),
         *_left_landings(graph),
@@ -91,7 +99,9 @@ def _can_finish(node: Node) -> bool:
         return all(map(_can_finish, default_entry(node)))
     if node.children:
         return any(child.type == "final" for child in node.children)
-    return node.invocation is not None and "done" in node.invocation.behavior.outcomes
+    if node.invocation is None:
+        return False
+    return node.invocation.behavior.on_trust or "done" in node.invocation.behavior.outcomes
 
 
 def _endless_states(graph: Graph) -> Iterator[Fault]:
@@ -336,6 +346,25 @@ def _never_done(graph: Graph) -> Iterator[Fault]:
                         edges[0].where,
                         "give that region a final state, or leave on something else",
                     )
+
+
+def _restarting_histories(graph: Graph) -> Iterator[Fault]:
+    """A history reached only from inside: its state is not left, so it has nothing to give back."""
+    for history in graph.nodes:
+        parent = history.parent
+        if history.type != "history" or parent is None or not history.initial:
+            continue
+        edges = [edge for node in graph.nodes for edge in node.edges() if history in edge.targets]
+        if edges and all(edge.domain is parent or edge.domain is None for edge in edges):
+            yield Fault(
+                "empty-history",
+                f"'{parent.path or graph.name}' is not left on the way to '{history.path}', "
+                "so its history remembers nothing",
+                edges[0].where,
+                "put the states that are to be remembered inside a state of their own, and the "
+                "history with them",
+                severity="warning",
+            )
 
 
 def _always_on_the_world(graph: Graph) -> Iterator[Fault]:

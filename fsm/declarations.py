@@ -196,9 +196,9 @@ class Declarations:
             scope.names.setdefault(name.text, Binding(name.text, "published", ANY))
             return
         slot = -1
-        if behavior.publishes:
+        if behavior.publishes or behavior.on_trust:
             slot = self.slot()
-            type_ = MapOf(behavior.publishes)
+            type_: Type = ANY if behavior.on_trust else MapOf(behavior.publishes)
             try:
                 scope.declare(Binding(name.text, "published", type_, slot, name.where), name.where)
             except UserError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from difflib import get_close_matches
 from typing import cast
 
 from fsm.faults import Faults
@@ -69,9 +70,9 @@ class _Reader:
                 "`drone-cli check` checks it; `drone-cli run` flies one of its missions by itself",
             )
         if inside is None:
-            self.keys(node, ROOT_KEYS | STATE_KEYS, "a mission")
+            node = self.keys(node, ROOT_KEYS | STATE_KEYS, "a mission")
         else:
-            self.keys(node, GRAPH_KEYS | STATE_KEYS, "a graph")
+            node = self.keys(node, GRAPH_KEYS | STATE_KEYS, "a graph")
         name = self.named_scalar(node, "mission", _MISSION_NAME, "letters, digits, - and _")
         language = node.get("language")
         if isinstance(language, Scalar) and language.text != str(LANGUAGE):
@@ -125,7 +126,7 @@ class _Reader:
         type_ = cast(StateType, declared or self.usual_type(node))
         allowed = {"final": FINAL_KEYS, "history": HISTORY_KEYS}.get(type_, STATE_KEYS)
         if not root:
-            self.keys(node, allowed, f"a {declared} state" if declared else "a state")
+            node = self.keys(node, allowed, f"a {declared} state" if declared else "a state")
         states = self.states(node, depth)
         if type_ == "parallel" and not states:
             self.fail("no-states", "a parallel state needs `states`", where)
@@ -179,7 +180,7 @@ class _Reader:
                 value = Mapping([], key.where)
             if not isinstance(value, Mapping):
                 self.fail("wrong-type", f"a state is a map, not {kind(value)}", value.where)
-                continue
+                value = Mapping([], key.where)
             children.append(self.state(key.text, value, key.where, depth + 1))
         return tuple(children)
 
@@ -263,7 +264,7 @@ class _Reader:
                 "several regions are entered by `target: [a, b]`",
             )
             return None
-        self.keys(node, TRANSITION_KEYS, "a transition")
+        node = self.keys(node, TRANSITION_KEYS, "a transition")
         hold = self.scalar(node, "for")
         if hold and trigger != "when":
             self.fail("misplaced-for", "`for` belongs to `when` only", self.where(node, "for"))
@@ -291,7 +292,7 @@ class _Reader:
                     block.where,
                 )
                 continue
-            self.keys(block, ACTIONS, "actions")
+            block = self.keys(block, ACTIONS, "actions")
             for name, argument in block:
                 if name.text in ACTIONS:
                     found.append(ActionSpec(cast(ActionKind, name.text), argument, name.where))
@@ -299,8 +300,16 @@ class _Reader:
 
     # -- pieces -----------------------------------------------------------------------------
 
-    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> None:
-        for key, _ in node:
+    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> Mapping:
+        """The map with each misspelt key read as the one that was meant."""
+        meant: list[tuple[Scalar, Node]] = []
+        for key, value in node:
+            free = allowed - {other.text for other, _ in node}
+            near = get_close_matches(key.text, free, n=1)
+            if key.text in allowed | NOT_YET or not near:
+                meant.append((key, value))
+            elif near[0] not in {k.text for k, _ in meant}:
+                meant.append((Scalar(near[0], key.where), value))
             if key.text in allowed:
                 continue
             if key.text in NOT_YET:
@@ -316,6 +325,7 @@ class _Reader:
             elif ":" in key.text:
                 hint = "is a blank missing after the colon?"
             self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+        return Mapping(meant, node.where)
 
     def where(self, node: Mapping, key: str) -> Where:
         return next((name.where for name, _ in node if name.text == key), node.where)

@@ -53,8 +53,9 @@ class Tree:
             if len(node.ancestors) > MAX_STATE_DEPTH:
                 message = f"with all includes, states nest more than {MAX_STATE_DEPTH} deep"
                 raise UserError("too-deep", message, spec.include.where)
-            included = mission.included[spec.include.text]
-            node.children = (self.begin(included, node, f":{included.name}", path),)
+            included = mission.included.get(spec.include.text)
+            if included is not None:
+                node.children = (self.begin(included, node, f":{included.name}", path),)
         else:
             # The states of an included graph are known by the state that includes it.
             prefix = path.partition(":")[0] if spec.name.startswith(":") else path
@@ -65,11 +66,15 @@ class Tree:
         node.last = len(self.nodes) - 1
         return node
 
+    def lacks(self, node: Node) -> bool:
+        """Whether a state includes a graph that was not found: anything might be in there."""
+        return self.specs[node.index].include is not None and not node.children
+
     def link(self) -> None:
         """Initial states and where history goes the first time."""
         for node in self.nodes:
             spec = self.specs[node.index]
-            if node.type == "compound":
+            if node.type == "compound" and not self.lacks(node):
                 node.initial = self.initial(node, spec)
             elif spec.initial:
                 self.faults.fail(

@@ -1,0 +1,45 @@
+"""Names that a mission declares and never uses again."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+
+from fsm.spec import MissionSpec
+from vencejo.errors import Fault
+from vencejo.nodes import Mapping, Node, Scalar
+
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_PROSE = frozenset({"description", "help"})
+
+
+def unused(spec: MissionSpec) -> list[Fault]:
+    """A warning for each parameter, variable and `define` that stands nowhere but where it is
+    declared. A name that is a word of the file elsewhere counts as used: none is warned of wrongly.
+    """
+    words = Counter(_words(spec.node)) if spec.node is not None else Counter[str]()
+    declared = [("parameter", named.name.text, named.name.where) for named in spec.parameters]
+    for state in spec.root.walk():
+        declared += [("data variable", named.name.text, named.name.where) for named in state.data]
+        declared += [("define", define.name, define.where) for define in state.define]
+    return [
+        Fault(
+            "unused", f"the {what} '{name}' is never used", where, "remove it, or use it", "warning"
+        )
+        for what, name, where in declared
+        if words[name] == 1
+    ]
+
+
+def _words(node: Node) -> Iterator[str]:
+    if isinstance(node, Scalar):
+        yield from _WORD.findall(node.text)
+    elif isinstance(node, Mapping):
+        for key, value in node:
+            yield from _WORD.findall(key.text)
+            if key.text not in _PROSE:
+                yield from _words(value)
+    else:
+        for item in node.items:
+            yield from _words(item)
