@@ -25,7 +25,8 @@ def model_class(base: type, graph: Graph) -> Any:
             if named[node.local_name] == 1
         }
         own = {name: test for name, test in methods.items() if not hasattr(base, name)}
-        found = graph.models[base] = type(base.__name__, (base,), own)
+        described = {"__module__": base.__module__, "__doc__": base.__doc__}
+        found = graph.models[base] = type(base.__name__, (base,), {**described, **own})
     return found
 
 
