@@ -341,7 +341,9 @@ class Instance(Configuration):
         """The first due transition of a state; every condition is observed, for its edges."""
         offer: tuple[Edge, Armed | Timer] | None = None
         for condition in self._conditions.get(node.index, ()):
-            true = self.evaluate(condition.when.condition, {}, False) is True
+            true = self.evaluate(condition.when.condition, NOTHING.fields, False) is True
+            if not true and condition.since is None and not condition.due:
+                continue  # as it has been: most conditions of most periods
             condition.observe(true, self.now, self._hold)
             for index in sorted(condition.due) if offer is None else ():
                 edge = condition.when.edges[index]
