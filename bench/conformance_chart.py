@@ -25,9 +25,8 @@ class CannotError(Exception):
 class Move:
     """A transition."""
 
-    source: str
     events: list[str]
-    """Empty: taken without an event."""
+    """None: taken without an event."""
     targets: list[str]
     guard: str
     action: list[str]
@@ -78,7 +77,7 @@ def read_case(path: Path) -> Case:
     expected = json.loads(path.with_suffix(".json").read_text())
     element = ElementTree.parse(path).getroot()
     data = [
-        f"{_local(each.get('id'))} = {python(each.get('expr') or 'None')}"
+        f"{each.get('id')} = {python(each.get('expr') or 'None')}"
         for each in element.iter()
         if _tag(each) == "data"
     ]
@@ -93,10 +92,6 @@ def python(expression: str | None) -> str:
     return {"true": "True", "false": "False"}.get(text.strip(), text.strip())
 
 
-def _local(name: str | None) -> str:
-    return (name or "").strip()
-
-
 def _tag(element: ElementTree.Element) -> str:
     return element.tag.rpartition("}")[2]
 
@@ -109,7 +104,7 @@ def _state(element: ElementTree.Element, around: tuple[str, ...]) -> State:
     for child in element:
         match _tag(child):
             case "transition":
-                state.moves.append(_move(child, name))
+                state.moves.append(_move(child))
             case "onentry":
                 state.entry += _lines(child)
             case "onexit":
@@ -123,9 +118,8 @@ def _state(element: ElementTree.Element, around: tuple[str, ...]) -> State:
     return state
 
 
-def _move(element: ElementTree.Element, source: str) -> Move:
+def _move(element: ElementTree.Element) -> Move:
     return Move(
-        source,
         (element.get("event") or "").split(),
         (element.get("target") or "").split(),
         python(element.get("cond")),
