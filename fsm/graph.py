@@ -104,12 +104,22 @@ class Edge(Transition):
         self.targets: tuple[Node, ...] = ()
         self.domain: Node | None = None
         """The state whose inside is left; None when nothing is."""
-        self.entered: tuple[Node, ...] | None = ()
-        """States entered, outer first; None when history decides in flight."""
         self.guard: Compiled | None = None
         self.actions: tuple[Action, ...] = ()
         self.hold: Compiled | None = None
         self.reenter = False
+
+    @cached_property
+    def entered(self) -> tuple[Node, ...] | None:
+        """States entered, outer first; None when that is found in flight, because history decides
+        it or default entries have actions of their own.
+        """
+        if self.domain is None:
+            return ()
+        found = entry_set(self.domain, self.targets, lambda history: ())
+        touched = {*self.targets, *(initial for node in found for initial in node.initial)}
+        in_flight = any(node.type == "history" for node in touched)
+        return None if in_flight or any(n.default_actions for n in found) else tuple(found)
 
     @cached_property
     def taking(self) -> Record:
