@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
 from fsm.expressions import Compiled
@@ -123,6 +123,8 @@ def _mistyped(name: Scalar, message: str) -> NoReturn:
 
 def _set(spec: ActionSpec, context: Context) -> Action:
     assignments = _assignments(spec, context)
+    if len(assignments) == 1:
+        return Action("set", spec.where, _set_one(*assignments[0]))
 
     def run(instance: Any, event: dict[str, Any]) -> None:
         slots = instance.slots
@@ -133,6 +135,18 @@ def _set(spec: ActionSpec, context: Context) -> Action:
             instance.records.append(("set", {"name": variable.name, "value": value}))
 
     return Action("set", spec.where, run)
+
+
+def _set_one(variable: Binding, value: Compiled) -> Callable[[Any, dict[str, Any]], None]:
+    """What nearly every `set` does, in half the time."""
+    name, slot, function = variable.name, variable.slot, value.function
+
+    def run(instance: Any, event: dict[str, Any]) -> None:
+        slots = instance.slots
+        new = slots[slot] = bounded(function(slots, event))
+        instance.records.append(("set", {"name": name, "value": new}))
+
+    return run
 
 
 def _append(spec: ActionSpec, context: Context) -> Action:

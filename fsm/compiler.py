@@ -17,13 +17,13 @@ from fsm.checks import check
 from fsm.declarations import Declarations
 from fsm.expressions import Compiled, compile_expression
 from fsm.faults import Faults
-from fsm.graph import Action, After, Edge, Given, Graph, Guard, Invocation, Node, When, entry_set
+from fsm.graph import Action, After, Edge, Given, Graph, Guard, Invocation, Node, When
 from fsm.literals import read_value
 from fsm.namespace import FAILED_FIELDS, Fields
 from fsm.parameters import parse_parameters
 from fsm.scope import FIRST_HOST_SLOT, Scope, start
 from fsm.spec import ActionSpec, DefineSpec, MissionSpec, StateSpec, TransitionSpec, TriggerSpec
-from fsm.tree import Tree, domain_of, through_history
+from fsm.tree import Tree, domain_of
 from fsm.types import ANY, BOOL, MapOf, Number
 from fsm.unused import unused
 from fsm.vocabulary import Parameter, Vocabulary
@@ -306,6 +306,8 @@ class _Compiler:
         return values
 
     def actions(self, specs: tuple[ActionSpec, ...], scope: Scope) -> tuple[Action, ...]:
+        if not specs:
+            return ()
         found: list[Action] = []
         context, events = self.own.context(scope), self.own.events
         for spec in specs:
@@ -334,10 +336,6 @@ class _Compiler:
         if edge.targets:
             edge.dest = ", ".join(target.path for target in edge.targets)
             edge.domain = domain_of(node, edge.targets, spec.reenter)
-            if not through_history(edge.domain, edge.targets):
-                edge.entered = tuple(entry_set(edge.domain, edge.targets, lambda history: ()))
-            else:
-                edge.entered = None
         return edge
 
     def targets(self, node: Node, spec: TransitionSpec) -> tuple[Node, ...]:

@@ -24,6 +24,9 @@ from fsm.vocabulary import Behavior, Parameter, Vocabulary, matches
 from vencejo import nodes
 from vencejo.errors import Fault, Where
 
+Record = tuple[str, dict[str, Any]]
+"""Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
+
 
 class Guard(Condition):
     """A guard in `transitions`' form; its function is a compiled expression."""
@@ -101,19 +104,29 @@ class Edge(Transition):
         self.targets: tuple[Node, ...] = ()
         self.domain: Node | None = None
         """The state whose inside is left; None when nothing is."""
-        self.entered: tuple[Node, ...] | None = ()
-        """States entered, outer first; None when history decides in flight."""
         self.guard: Compiled | None = None
         self.actions: tuple[Action, ...] = ()
         self.hold: Compiled | None = None
         self.reenter = False
 
     @cached_property
-    def step(self) -> dict[str, Any]:
+    def entered(self) -> tuple[Node, ...] | None:
+        """States entered, outer first; None when that is found in flight, because history decides
+        it or default entries have actions of their own.
+        """
+        if self.domain is None:
+            return ()
+        found = entry_set(self.domain, self.targets, lambda history: ())
+        touched = {*self.targets, *(initial for node in found for initial in node.initial)}
+        in_flight = any(node.type == "history" for node in touched)
+        return None if in_flight or any(n.default_actions for n in found) else tuple(found)
+
+    @cached_property
+    def taking(self) -> Record:
         """What is recorded when it is taken."""
         by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
         step = {"by": by, "from": self.node.path, "to": [target.path for target in self.targets]}
-        return {**step, "name": self.label} if self.label else step
+        return "transition", {**step, "name": self.label} if self.label else step
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,10 +185,12 @@ class Node(State):
         self.afters: tuple[After, ...] = ()
         self.outcome = "done"
         self.output: Mapping[str, Compiled] = {}
-        self.entering = ("enter", {"state": path})
-        self.leaving = ("exit", {"state": path})
+        self.entering: Record = ("enter", {"state": path})
+        self.leaving: Record = ("exit", {"state": path})
         """What is recorded when it is entered and left."""
         self._edges_of: dict[str, tuple[Edge, ...]] = {}
+        self.fills = self.waits = False
+        """Whether an entry gives values to anything, and whether it arms conditions or timers."""
 
     @property
     def owner(self) -> Node:
@@ -239,9 +254,16 @@ class Graph:
     by_path: Mapping[str, Node] = field(default_factory=dict)
     visited: dict[int, Active] = field(default_factory=dict, repr=False)
     """Configurations that instances have been in, by their masks (see :mod:`fsm.active`)."""
+    models: dict[type, type] = field(default_factory=dict, repr=False)
+    """Classes of its instances (see :mod:`fsm.model`)."""
 
     source: MissionSpec | None = None
     """What it was compiled from."""
+
+    def __post_init__(self) -> None:
+        for node in self.nodes:
+            node.fills = bool(node.given or node.data or node.invocation)
+            node.waits = bool(node.whens or node.afters)
 
     @cached_property
     def digest(self) -> str:

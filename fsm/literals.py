@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from fsm.conversion import HEADING_WORDS, POINT_FORMS, convert, point_of
+from fsm.conversion import HEADING_WORDS, POINT_FORMS, converted, point_of
 from fsm.expressions import Compiled, Function, compile_expression, constant
 from fsm.functions import FAILURES, bounded
 from fsm.scope import Scope
@@ -215,10 +215,9 @@ def _placed(compiled: Compiled, place: Type) -> Compiled:
     """An expression whose value is checked against its place whenever it is evaluated."""
     if isinstance(place, AnyType):
         return compiled
-    inner = compiled.function
     return Compiled(
         compiled.type,
-        lambda s, e: convert(inner(s, e), place),
+        converted(compiled.function, place),
         compiled.source,
         compiled.where,
         compiled.constant,

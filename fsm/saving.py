@@ -13,7 +13,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from fsm.configuration import Event, Running
+from fsm.configuration import Running
+from fsm.event import Event
 from fsm.graph import Graph, Node
 from fsm.history import Memory
 from fsm.machine import Delayed, Instance

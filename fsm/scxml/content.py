@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from fsm.configuration import Event
+from fsm.event import Event
 from fsm.expressions import Compiled, Function
 from fsm.faults import Faults
 from fsm.functions import EvaluationError, shown

@@ -14,13 +14,13 @@ from pathlib import Path
 
 from fsm.expressions import Compiled, constant
 from fsm.faults import Faults
-from fsm.graph import Data, Edge, Graph, Guard, Node, entry_set
+from fsm.graph import Data, Edge, Graph, Guard, Node
 from fsm.scope import FIRST_HOST_SLOT
 from fsm.scxml.content import Content, needed
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import Names, assigned_names, compile_value
 from fsm.spec import StateType
-from fsm.tree import domain_of, through_history
+from fsm.tree import domain_of
 from fsm.types import ANY
 from fsm.vocabulary import Vocabulary
 from vencejo.errors import UserError, Where, nearest
@@ -298,18 +298,7 @@ class _Loader:
         if edge.targets:
             edge.dest = ", ".join(target.path for target in edge.targets)
             edge.domain = domain_of(node, edge.targets, edge.reenter)
-            entered = entry_set(edge.domain, edge.targets, lambda history: ())
-            # In flight, where it depends on history or default entries have actions of their own.
-            fixed = not through_history(edge.domain, edge.targets) and not any(
-                other.type == "compound" and self.has_default_actions(other) for other in entered
-            )
-            edge.entered = tuple(entered) if fixed else None
         return edge
-
-    def has_default_actions(self, node: Node) -> bool:
-        """Asked of the document, since a state further down is not compiled yet."""
-        initial = _transition_of(next(self.elements[node.index].all("initial"), None))
-        return initial is not None and bool(initial.children)
 
 
 def _type(element: Element) -> StateType:
