@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsm import exploration
-from fsm.exploration import Config, Explorer, TooManyError, inside
+from fsm.exploration import Config, Explorer, TooManyError
 from fsm.graph import Edge, Graph, Node
+from fsm.possibilities import inside
 from vencejo.errors import Fault
 
 
@@ -60,7 +61,7 @@ def _violations(explorer: Explorer) -> Iterator[Fault]:
         return
     told: set[tuple[str, int]] = set()
     for config in came_from:
-        for event in explorer.vocabulary.must_land:
+        for event in explorer.takers:
             for edges, answer in explorer.answer(config, event):
                 if answer in stuck_after and (event, id(edges[0])) not in told:
                     told.add((event, id(edges[0])))
