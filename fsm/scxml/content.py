@@ -23,7 +23,8 @@ from fsm.scxml.values import text_of
 from fsm.types import ANY
 from vencejo.errors import UserError, Where, nearest
 
-_DELAY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(ms|s)\s*")
+_DELAY = re.compile(r"\s*(\d{1,12}(?:\.\d*)?|\.\d+)\s*(ms|s)\s*")
+"""No more digits than time has use for: a long row of them is neither infinite nor slow to read."""
 _INTERNAL = "#_internal"
 _PROCESSORS = ("scxml", "http://www.w3.org/TR/scxml/#SCXMLEventProcessor")
 

@@ -29,6 +29,7 @@ from vencejo.errors import UserError
 from vencejo.nodes import read_text
 
 HEAD = '<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0">'
+LINES = "\n" * 300_000
 
 
 def faults(body: str) -> list[str]:
@@ -52,6 +53,10 @@ def faults(body: str) -> list[str]:
         ('<state id="a"><onentry><assign expr="1"/></onentry></state>', ["2:24 missing-attribute"]),
         (
             '<state id="a"><onentry><send event="e" delay="1 h"/></onentry></state>',
+            ["2:47 bad-delay"],
+        ),
+        (
+            f'<state id="a"><onentry><send event="e" delay="{"9" * 400}s"/></onentry></state>',
             ["2:47 bad-delay"],
         ),
         (
@@ -98,6 +103,19 @@ def test_hostile_documents_are_refused(text: str, code: str) -> None:
     with pytest.raises(UserError) as caught:
         parse_document(text, "c.scxml")
     assert caught.value.code == code
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f"<state><onentry><script>{LINES}x += 1</script></onentry></state>",
+        f'<state><onentry><send event="e" delay="{"1" * 300_000}"/></onentry></state>',
+    ],
+    ids=["script", "delay"],
+)
+def test_long_texts_are_read_once(body: str) -> None:
+    """Patterns that begin anew at each letter would take hours."""
+    assert faults(body)
 
 
 def test_what_is_no_scxml_is_refused(tmp_path: Path) -> None:
