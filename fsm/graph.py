@@ -8,6 +8,7 @@ by :class:`fsm.machine.Instance`.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -342,13 +343,16 @@ def entry_set(
         for ancestor in node.ancestors:
             if ancestor is stop:
                 return
+            new = ancestor.index not in entering
             entering[ancestor.index] = ancestor
-            if ancestor.type == "parallel":
+            if new and ancestor.type == "parallel":
                 fill(ancestor)
 
     def fill(parallel: Node) -> None:
+        filled = sorted(entering)
         for region in default_entry(parallel):
-            if not any(region.index <= index <= region.last for index in entering):
+            first = bisect_left(filled, region.index)
+            if first == len(filled) or filled[first] > region.last:
                 descend(region)
 
     enter(targets, domain)

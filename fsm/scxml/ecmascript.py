@@ -265,6 +265,8 @@ class _Parser:
         value = self.primary()
         while sign := self.accept(".", "["):
             if sign == ".":
+                if self.token.kind != "name":
+                    self.fail(self.token.where, f"'{self.token.text}' is no name of a field")
                 value = _with(member, value, self.take().text)
             else:
                 index = self.expression()

@@ -32,6 +32,14 @@ HEAD = '<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0">'
 LINES = "\n" * 300_000
 
 
+def document_run(body: str) -> Run:
+    """A document at rest in its first period."""
+    graph = load_document(parse_document(f"{HEAD}{body}</scxml>", "c"), "c")
+    run = Run("", graph=graph)
+    advance(run.instance, 0.0)
+    return run
+
+
 def faults(body: str) -> list[str]:
     """What is wrong with a document that begins with HEAD in its first line."""
     with pytest.raises(UserError) as caught:
@@ -49,6 +57,17 @@ def faults(body: str) -> list[str]:
         ('<state id="a"><transition cond="In(\'b\')"/></state>', ["2:36 unknown-state"]),
         ('<state id="a"><transition cond="Math.sum(1)"/></state>', ["2:38 unknown-function"]),
         ('<state id="a"><invoke/></state>', ["2:15 not-supported"]),
+        ('<state id="a"><transition cond="[1].\'length\'"/></state>', ["2:37 bad-expression"]),
+        ('<state id="a"><transition event="e" type="inside"/></state>', ["2:43 wrong-value"]),
+        (
+            '<state id="a"><history type="all"><transition target="b"/></history>'
+            '<state id="b"/></state>',
+            ["2:30 wrong-value"],
+        ),
+        (
+            '<state id="a"><transition target="c a b c"/></state><state id="b"/><parallel id="c"/>',
+            ["2:35 conflicting-targets"],
+        ),
         ('<state id="a"><onentry><fly/></onentry></state>', ["2:24 not-supported"]),
         ('<state id="a"><onentry><assign expr="1"/></onentry></state>', ["2:24 missing-attribute"]),
         (
@@ -152,6 +171,7 @@ def test_hostile_expressions(text: str) -> None:
         ("[1][7]", "undefined"),
         ("0 || null ? 'yes' : 'no'", "no"),
         ("Math.max(1, 7, 3) + Math.floor(-1.5)", "5"),
+        ("Math.max(3) + Math.min(4)", "7"),
         ("0x10 + 1e1 + .5", "26.5"),
         ("In('a') &amp;&amp; !In('b')", "true"),
         ("_name + _sessionid", "c1"),
@@ -164,6 +184,39 @@ def test_expressions(text: str, value: str) -> None:
     run = Run("", graph=graph)
     run.run()
     assert run.logged() == [value]
+
+
+def test_loops_in_loops_share_one_budget() -> None:
+    loops = '<foreach array="[1,2,3,4,5,6,7,8,9,10]" item="i">' * 6
+    body = (
+        f'<state id="a"><onentry>{loops}<script>n += 1</script>{"</foreach>" * 6}</onentry></state>'
+    )
+    run = document_run(f'<datamodel><data id="n" expr="0"/></datamodel>{body}')
+    assert [fields["message"] for what, fields in run.instance.records if what == "error"] == [
+        "foreach: more than 20000 steps of loops at once"
+    ]
+
+
+def test_a_loop_after_another_has_a_budget_of_its_own() -> None:
+    loops = ('<foreach array="[1,2,3,4,5,6,7,8,9,10]" item="i">' * 4) + "</foreach>" * 4
+    body = f'<state id="a"><onentry>{loops}{loops}<log expr="i"/></onentry></state>'
+    assert document_run(body).logged() == ["10"]
+
+
+def test_a_transition_of_the_whole_document() -> None:
+    run = document_run('<transition event="e" target="b"/><state id="a"/><state id="b"/>')
+    run.instance.trigger("e")
+    assert run.instance.paths() == ["b"]
+
+
+def test_many_regions_entered_many_times() -> None:
+    """Each pair of them looked at for each transition would take minutes."""
+    regions = "".join(f'<state id="r{index}"/>' for index in range(600))
+    ids = " ".join(f"r{index}" for index in range(600))
+    again = f'<transition event="e" target="{ids}"/>' * 150
+    run = document_run(f'<parallel id="p">{regions}{again}</parallel>')
+    run.instance.trigger("e")
+    assert run.instance.paths() == ids.split()
 
 
 def test_a_send_without_rest_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
