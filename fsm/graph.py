@@ -260,6 +260,8 @@ class Graph:
 
     source: MissionSpec | None = None
     """What it was compiled from."""
+    document: object = None
+    """What it was compiled from when that is no mission: the root of an SCXML document."""
 
     def __post_init__(self) -> None:
         for node in self.nodes:
@@ -269,7 +271,7 @@ class Graph:
     @cached_property
     def digest(self) -> str:
         """A hash of what the mission says; saved runs and records know it by this."""
-        return "" if self.source is None else digest_of(self.source)
+        return digest_of(self.document if self.source is None else self.source)
 
     event_slot: int = -1
     """Where ``_event`` of an SCXML document stands; -1 in a mission."""

@@ -105,7 +105,7 @@ def load(instance: Instance, saved: Mapping[str, Any]) -> None:
             graph.by_path[path].index: (graph.by_path[path], unpack(kept))
             for path, kept in saved["running"].items()
         }
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise UserError(
             "torn-save",
             f"this save of '{graph.name}' is not whole: {type(error).__name__}: {error}",

@@ -140,7 +140,7 @@ class Content:
         where = element.text_where or element.where
         statements = [
             (self.variable(assignment.name, where), assignment)
-            for assignment in compile_script(element.text.strip(), where, self.names)
+            for assignment in compile_script(element.text, where, self.names)
         ]
 
         def run(instance: Any, event: dict[str, Any]) -> None:

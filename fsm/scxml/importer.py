@@ -235,7 +235,7 @@ def _value(element: Element, attribute: str) -> Node:
 
 def _content(element: Element) -> Node:
     """The YAML value that is an element's text."""
-    return _yaml(element.text.strip(), element.text_where or element.where)
+    return _yaml(element.text, element.text_where or element.where)
 
 
 _LEAD = "v: "

@@ -157,6 +157,7 @@ class _Loader:
             outer_first=False,
             by_path=dict(self.by_id),
             event_slot=event_slot,
+            document=self.root,
         )
 
     # -- data -------------------------------------------------------------------------------
@@ -192,7 +193,7 @@ class _Loader:
                     raise UserError("not-supported", what, element.place("src"))
                 text, where = element.get("expr"), element.place("expr")
                 if text is None and element.text_where is not None:
-                    text, where = element.text.strip(), element.text_where
+                    text, where = element.text, element.text_where
                 first = constant(None, ANY, element.where)
                 if text is not None:
                     first = Compiled(ANY, compile_value(text, where, names), text, where)
