@@ -153,8 +153,10 @@ def _free_ports(rows: Rows) -> None:
         wished = [_opposite(wires, item) - item.x for wires in found]
         half = item.width / 2 - BORDER
         if item.node is not None and item.node.type == "history":
-            half = 0.0
-        places = slots(wished, list(ports.values()), -half, half, PORT_GAP)
+            # Too small for ports: its lines part further on.
+            places = [0.0] * len(found)
+        else:
+            places = slots(wished, list(ports.values()), -half, half, PORT_GAP)
         for wires, at in zip(found, places, strict=True):
             ports[wires.key] = float(round(at))
 
