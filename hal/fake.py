@@ -7,7 +7,7 @@ a test may want to go wrong is an attribute of :class:`FakeVehicle`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot, inf, isfinite
+from math import hypot, inf
 from types import MappingProxyType
 
 from hal.orders import Orders
@@ -24,7 +24,6 @@ from hal.vehicle import (
     Unavailable,
     VisionPose,
 )
-from vencejo.errors import UserError
 from vencejo.geometry import Point, horizontal_distance, rotate_xy, wrap, yaw_quaternion
 
 _STILL = Point(0.0, 0.0, 0.0)
@@ -180,12 +179,7 @@ class FakeVehicle:
 
     def configure(self, limits: Limits) -> None:
         """Change limits in flight. Raises UserError (``bad-limit``)."""
-        given = {name: getattr(limits, name) for name in Limits.__slots__}
-        given = {name: value for name, value in given.items() if value is not None}
-        for name, value in given.items():
-            if not (isfinite(value) and value > 0):
-                raise UserError("bad-limit", f"'{name}' must be a number above 0, not {value:g}")
-        self.limits |= given
+        self.limits |= limits.given()
 
     def camera(self, name: str) -> Camera:
         raise Unavailable(f"the vehicle has no camera '{name}'")
