@@ -448,3 +448,45 @@ def test_faults_of_a_mission_that_came_back_have_their_place_in_the_document() -
         assert fault.where is not None
         line = wrong.split("\n")[fault.where.line - 1]
         assert line[fault.where.column - 1 :].startswith(word)
+
+
+@pytest.mark.parametrize(
+    ("transition", "found"),
+    [
+        ('<transition event="e.x" priority="1" target="b"/>', "3:49: not-supported"),
+        (
+            '<transition event="e.x" target="b"><send event="e.x"><param name="k"/></send>'
+            "</transition>",
+            "3:68: not-supported",
+        ),
+        (
+            '<transition event="e.x" target="b"><log label="here" expr="1"/></transition>',
+            "3:62: not-supported",
+        ),
+    ],
+)
+def test_nothing_that_others_add_to_a_mission_is_lost(transition: str, found: str) -> None:
+    text = (
+        f'{HEAD[:-1]} xmlns:v="urn:vencejo:scxml:1" datamodel="vencejo">\n'
+        f"<v:events>{{e.x: {{}}}}</v:events>\n"
+        f'<state id="a">{transition}</state><final id="b"/></scxml>'
+    )
+    with pytest.raises(UserError) as caught:
+        import_mission(parse_document(text, "m.scxml"), "m.scxml")
+    assert [f"{fault.where}: {fault.code}" for fault in caught.value.faults] == [f"m.scxml:{found}"]
+
+
+def test_an_exported_mission_finds_what_it_includes(tmp_path: Path) -> None:
+    (tmp_path / "part.yaml").write_text("states: {z: {type: final}}\n")
+    text = "mission: m\nstates:\n  a: {include: part.yaml, on: {done: b, failed: b}}\n"
+    text += "  b: {type: final}\n"
+    document = write_scxml(read_mission_text(text, "m.yaml", tmp_path))
+    spec = import_mission(parse_document(document, "m.scxml"), "m.scxml", tmp_path)
+    paths = [node.path for node in compile_mission(spec, VOCABULARY).nodes]
+    assert paths[-2:] == ["a.z", "b"]
+
+
+def test_another_root_is_no_mission() -> None:
+    with pytest.raises(UserError) as caught:
+        import_mission(parse_document('<svg datamodel="vencejo"/>', "m.scxml"), "m.scxml")
+    assert caught.value.code == "not-scxml"
