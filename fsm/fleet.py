@@ -10,13 +10,14 @@ from pathlib import Path, PurePosixPath
 from fsm.expressions import compile_expression
 from fsm.faults import Faults
 from fsm.graph import Graph
-from fsm.includes import inside, read_mission
+from fsm.includes import read_mission
 from fsm.literals import Context
 from fsm.parameters import constant_value
 from fsm.scope import TIME_SLOT, Binding, Scope, start
 from fsm.spec import MissionSpec
 from fsm.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
+from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind, read_file
 from vencejo.units import TIME
@@ -42,6 +43,7 @@ class FleetSpec:
 
     name: str
     file: str
+    description: str = ""
     members: tuple[Member, ...] = ()
     world: Scalar | None = None
     until: Scalar | None = None
@@ -67,10 +69,11 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     for name, value in entries:
         with faults.collecting():
             members.append(_member(name, value, path.parent, shown, faults))
-    fleet = scalars["fleet"]
+    fleet, description = scalars["fleet"], scalars["description"]
     spec = FleetSpec(
         fleet.text if fleet else path.stem,
         shown,
+        description.text if description else "",
         tuple(members),
         scalars["world"],
         scalars["until"],
@@ -130,7 +133,7 @@ def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) 
     if word is None:
         message, hint = f"'{name.text}' has no mission", "mission: file.yaml"
         raise UserError("missing-key", message, name.where, hint)
-    path = inside(folder, word, "a fleet's mission")
+    path = file_inside(folder, word, "a fleet's mission")
     if not path.is_file():
         files = [file.relative_to(folder).as_posix() for file in folder.glob("**/*.y*ml")]
         message = f"there is no file '{word.text}'"

@@ -141,7 +141,7 @@ class Budget:
         for value in values:
             self.left -= 1
             if self.left < 0:
-                raise EvaluationError(f"more than {LOOP_BUDGET} steps in one expression")
+                raise EvaluationError(f"more than {LOOP_BUDGET} steps of loops at once")
             yield value
 
 

@@ -8,6 +8,7 @@ by :class:`fsm.machine.Instance`.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -259,6 +260,8 @@ class Graph:
 
     source: MissionSpec | None = None
     """What it was compiled from."""
+    document: object = None
+    """What it was compiled from when that is no mission: the root of an SCXML document."""
 
     def __post_init__(self) -> None:
         for node in self.nodes:
@@ -268,7 +271,7 @@ class Graph:
     @cached_property
     def digest(self) -> str:
         """A hash of what the mission says; saved runs and records know it by this."""
-        return "" if self.source is None else digest_of(self.source)
+        return digest_of(self.document if self.source is None else self.source)
 
     event_slot: int = -1
     """Where ``_event`` of an SCXML document stands; -1 in a mission."""
@@ -342,13 +345,16 @@ def entry_set(
         for ancestor in node.ancestors:
             if ancestor is stop:
                 return
+            new = ancestor.index not in entering
             entering[ancestor.index] = ancestor
-            if ancestor.type == "parallel":
+            if new and ancestor.type == "parallel":
                 fill(ancestor)
 
     def fill(parallel: Node) -> None:
+        filled = sorted(entering)
         for region in default_entry(parallel):
-            if not any(region.index <= index <= region.last for index in entering):
+            first = bisect_left(filled, region.index)
+            if first == len(filled) or filled[first] > region.last:
                 descend(region)
 
     enter(targets, domain)

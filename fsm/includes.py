@@ -9,6 +9,7 @@ from fsm.faults import Faults
 from fsm.reader import spec_of
 from fsm.spec import MissionSpec
 from vencejo.errors import UserError, nearest
+from vencejo.files import file_inside
 from vencejo.nodes import Mapping, Scalar, read_file, read_text
 
 MAX_INCLUDES = 64
@@ -56,19 +57,6 @@ def mission_of(
     return spec
 
 
-def inside(folder: Path, word: Scalar, what: str) -> Path:
-    """The file that a word names, which must lie in ``folder``. Raises UserError."""
-    path = (folder / word.text).resolve()
-    if not path.is_relative_to(folder.resolve()):
-        raise UserError(
-            "outside-folder",
-            f"'{word.text}' lies outside the folder of the file that names it",
-            word.where,
-            f"{what} lies beside that file or further inside",
-        )
-    return path
-
-
 class _Library:
     """Every file is read once, and every graph linked once."""
 
@@ -114,7 +102,7 @@ class _Library:
         named = {graph.name: graph for graph in graphs}
         if word.text in named:
             return named[word.text], folder, graphs
-        path = inside(folder, word, "what is included") if folder else None
+        path = file_inside(folder, word, "what is included") if folder else None
         if folder is None or path is None or not path.is_file():
             is_file = word.text.endswith((".yaml", ".yml"))
             what = "file" if is_file else "graph"

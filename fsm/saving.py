@@ -28,6 +28,9 @@ FORMAT = "vencejo.saved"
 VERSION = 1
 """Of the form of saved runs; one more whenever an older one cannot be read any more."""
 
+TORN = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
+"""What reading a save raises that is not as it was written."""
+
 Saved = dict[str, Any]
 
 
@@ -105,7 +108,7 @@ def load(instance: Instance, saved: Mapping[str, Any]) -> None:
             graph.by_path[path].index: (graph.by_path[path], unpack(kept))
             for path, kept in saved["running"].items()
         }
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+    except TORN as error:
         raise UserError(
             "torn-save",
             f"this save of '{graph.name}' is not whole: {type(error).__name__}: {error}",

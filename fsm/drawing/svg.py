@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Collection, Iterator, Sequence
-from html import escape
 
 from fsm.drawing.inside import LABEL_SIZE, LINE_HEIGHT, LINE_SIZE, NAME_SIZE, PAD
 from fsm.drawing.layout import draw
 from fsm.drawing.picture import XY, Box, Line, Picture
 from fsm.graph import Graph
+from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
 STYLE = f"""\
@@ -46,9 +47,9 @@ def render(picture: Picture, active: Collection[str] = ()) -> str:
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
             f'viewBox="0 0 {width} {height}" role="img">',
-            f"<title>{escape(picture.name)}</title>",
-            f"<desc>{escape(picture.description)}</desc>",
-            f"<style>{escape(STYLE, quote=False)}</style>",
+            f"<title>{_escape(picture.name)}</title>",
+            f"<desc>{_escape(picture.description)}</desc>",
+            f"<style>{html.escape(STYLE, quote=False)}</style>",
             '<rect class="page" width="100%" height="100%"/>',
             *(part for box in picture.boxes for part in _box(box, box.path in active)),
             *(
@@ -65,7 +66,7 @@ def _box(box: Box, active: bool) -> Iterator[str]:
     leaf = box.kind in ("atomic", "final", "history")
     kind = "box leaf" if leaf else "box even" if box.depth % 2 else "box"
     kind += " active" if active else ""
-    yield f'<g data-state="{escape(box.path)}"><title>{escape(box.title)}</title>'
+    yield f'<g data-state="{_escape(box.path)}"><title>{_escape(box.title)}</title>'
     if box.kind == "history":
         x, y, radius = box.x + box.width / 2, box.y + box.height / 2, box.width / 2
         yield f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}"/>'
@@ -91,11 +92,11 @@ def _rect(kind: str, box: Box, inset: float) -> str:
 
 
 def _text(kind: str, x: float, y: float, text: str, more: str = "") -> str:
-    return f'<text class="{kind}" x="{x:g}" y="{y:g}"{more}>{escape(text)}</text>'
+    return f'<text class="{kind}" x="{x:g}" y="{y:g}"{more}>{_escape(text)}</text>'
 
 
 def _line(line: Line) -> Iterator[str]:
-    yield f"<g><title>{escape(line.title)}</title>"
+    yield f"<g><title>{_escape(line.title)}</title>"
     if line.dot:
         x, y = line.points[0]
         yield f'<circle class="dot" cx="{x:g}" cy="{y - 5:g}" r="5"/>'
@@ -108,6 +109,11 @@ def _line(line: Line) -> Iterator[str]:
             bottom = line.label.y + LINE_HEIGHT * (index + 1) - 4
             yield _text("label", line.label.x, bottom, text)
     yield "</g>"
+
+
+def _escape(text: str) -> str:
+    """A text for XML; what cannot stand there at all becomes a sign for that."""
+    return html.escape(ILLEGAL.sub("\ufffd", text))
 
 
 def _curve(points: Sequence[XY]) -> str:

@@ -9,7 +9,7 @@ Not supported, and reported: ``invoke``, late binding, data and scripts in other
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import pairwise
 from pathlib import Path
 
 from fsm.expressions import Compiled, constant
@@ -101,8 +101,11 @@ class _Loader:
         id_ = "" if parent is None else element.get("id") or f"state.{index}"
         node = ScxmlNode(id_, id_, _type(element), index, element.where)
         node.parent = parent
+        node.border = parent is None
         node.ancestors = (parent, *parent.ancestors) if parent else ()
-        node.deep = element.get("type") == "deep"
+        if element.tag == "history":
+            with self.faults.collecting():
+                node.deep = _kind(element, "shallow", "deep") == "deep"
         node.entered_slot = self.first_slot + index
         if id_ in self.by_id:
             message = f"the id '{id_}' stands twice, first at {self.by_id[id_].where}"
@@ -154,6 +157,7 @@ class _Loader:
             outer_first=False,
             by_path=dict(self.by_id),
             event_slot=event_slot,
+            document=self.root,
         )
 
     # -- data -------------------------------------------------------------------------------
@@ -189,7 +193,7 @@ class _Loader:
                     raise UserError("not-supported", what, element.place("src"))
                 text, where = element.get("expr"), element.place("expr")
                 if text is None and element.text_where is not None:
-                    text, where = element.text.strip(), element.text_where
+                    text, where = element.text, element.text_where
                 first = constant(None, ANY, element.where)
                 if text is not None:
                     first = Compiled(ANY, compile_value(text, where, names), text, where)
@@ -241,7 +245,8 @@ class _Loader:
                     "unknown-target", what, where, nearest(id_, filter(None, self.by_id))
                 )
         targets = tuple(self.by_id[id_] for id_ in ids)
-        for a, b in combinations(targets, 2):
+        # In document order, two that clash have neighbours that do.
+        for a, b in pairwise(sorted(targets, key=lambda target: target.index)):
             common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
             if common.type != "parallel" or common in (a, b):
                 raise UserError(
@@ -289,7 +294,7 @@ class _Loader:
             edge = Edge(node, "always", "always", element.where)
         else:
             edge = Edge(node, "on", needed(element, "event"), element.where)
-        edge.reenter = element.get("type") != "internal"
+        edge.reenter = _kind(element, "external", "internal") == "external"
         edge.guard = self.content.condition(element)
         if edge.guard is not None:
             edge.conditions.append(Guard(edge.guard))
@@ -308,6 +313,15 @@ def _type(element: Element) -> StateType:
         case "scxml":
             return "compound"
     return "compound" if any(element.all("state", "parallel", "final")) else "atomic"
+
+
+def _kind(element: Element, usual: str, other: str) -> str:
+    """Its ``type``, which is one of two words. Raises UserError."""
+    word = element.get("type") or usual
+    if word not in (usual, other):
+        what = f"a <{element.tag}> is {usual} or {other}, not '{word}'"
+        raise UserError("wrong-value", what, element.place("type"), nearest(word, [usual, other]))
+    return word
 
 
 def _transition_of(element: Element | None) -> Element | None:

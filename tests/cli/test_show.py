@@ -24,7 +24,7 @@ hop: Up and down.
 """
 MERMAID = """\
 ---
-title: hop
+title: "hop"
 ---
 stateDiagram-v2
   state "takeoff\\ndo takeoff" as s1
