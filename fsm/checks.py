@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 
 from fsm.graph import Edge, Graph, Node, default_entry
@@ -14,20 +14,17 @@ PERIOD = 0.025
 """Seconds of one mission period."""
 
 
-def check(graph: Graph, *, whole: bool = True) -> list[Fault]:
+def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
     """Every fault of the structure; errors would keep it from flying, warnings would not.
 
-    Of a graph that is not ``whole``, because something in it was wrong already, only what is
-    there is looked at and nothing is missed.
+    ``flawed`` are states that have a fault in their transitions already: what may only follow from
+    that is not told.
     """
-    missed = [
-        *_unhandled_outcomes(graph),
-        *endless_states(graph, _can_finish),
-        *unreachable(graph),
-        *_never_done(graph),
-    ]
+    missed = (*_unhandled_outcomes(graph), *endless_states(graph, _can_finish))
+    doubtful = {node.where for node in graph.nodes if _in_doubt(node, flawed)}
     return [
-        *(missed if whole else ()),
+        *(fault for fault in missed if fault.where not in doubtful),
+        *(() if flawed else (*unreachable(graph), *_never_done(graph))),
         *_companions(graph),
         *_two_owners(graph),
         *_region_restarts(graph),
@@ -40,6 +37,14 @@ def check(graph: Graph, *, whole: bool = True) -> list[Fault]:
         *_hidden_handlers(graph),
         *_left_landings(graph),
     ]
+
+
+def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:
+    """Whether a flawed state may be the one that hears what this one ends with, or leaves it."""
+    if not flawed:
+        return False
+    around = (node, *node.ancestors)
+    return any(place in flawed or place.type == "parallel" for place in around)
 
 
 def _handles(node: Node, word: str, graph: Graph) -> tuple[Edge, ...]:

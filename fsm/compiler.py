@@ -63,7 +63,7 @@ def compile_mission(
         by_path={node.path: node for node in tree.nodes},
         source=spec,
     )
-    faults.extend(check(graph, whole=all(fault.severity == "warning" for fault in faults)))
+    faults.extend(check(graph, compiler.flawed))
     # A define's mistake shows at each of its uses, always at the same place.
     ordered = sorted(dict.fromkeys(faults), key=lambda fault: fault.where or Where(""))
     ordered.sort(key=lambda fault: fault.severity)
@@ -84,6 +84,8 @@ class _Compiler:
         self.own = names.of(tree.root)
         """The names of the graph whose states are being filled."""
         self.events = self.own.known_events
+        self.flawed: set[Node] = set()
+        """States with transitions or children that could not be compiled."""
         self.trusting = any(n.invocation and n.invocation.behavior.on_trust for n in tree.nodes)
 
     # -- what stands in each state ----------------------------------------------------------
@@ -98,6 +100,9 @@ class _Compiler:
         node.throughout = self.actions(spec.throughout, scope)
         if node.invocation:
             self.invocation(node, spec, scope)
+        elif spec.do:
+            # Unknown, and that is told; what it is given may be wrong too.
+            self.given(spec.do.text, {}, spec, spec.do, scope, trusted=True)
         if spec.include:
             self.include(node, spec, spec.include, scope)
         for define in spec.define:
@@ -112,6 +117,7 @@ class _Compiler:
         whens: list[When] = []
         afters: list[After] = []
         always: list[Edge] = []
+        before = self.faults.errors
         for trigger in spec.triggers:
             with self.faults.collecting():
                 match trigger.kind:
@@ -130,6 +136,8 @@ class _Compiler:
                         always.extend(self.edges(node, trigger, scope))
         node.on, node.whens = tuple(on), tuple(whens)
         node.afters, node.always = tuple(afters), tuple(always)
+        if spec.flawed or self.faults.errors > before or self.tree.lacks(node):
+            self.flawed.add(node)
 
     def define(self, define: DefineSpec, scope: Scope) -> None:
         """A define is compiled once by itself, so that one nobody uses is checked too."""
@@ -236,7 +244,9 @@ class _Compiler:
     def include(self, node: Node, spec: StateSpec, word: Scalar, scope: Scope) -> None:
         """The parameters of an included graph, from the state that includes it."""
         if not node.children:
-            return  # it was not found, and that is told
+            # It was not found, and that is told; what it is given may be wrong too.
+            self.given(word.text, {}, spec, word, scope, trusted=True)
+            return
         (root,) = node.children
         names = self.names.of(root)
         values = self.given(word.text, names.parameters, spec, word, scope)

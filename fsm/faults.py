@@ -17,6 +17,11 @@ class Faults(list[Fault]):
     def warn(self, code: str, message: str, where: Where, hint: str) -> None:
         self.append(Fault(code, message, where, hint, "warning"))
 
+    @property
+    def errors(self) -> int:
+        """How many of them keep a mission from flying."""
+        return sum(fault.severity == "error" for fault in self)
+
     def collecting(self) -> _Collecting:
         """Keep what a UserError says, and go on after the block."""
         return _Collecting(self)

@@ -55,6 +55,7 @@ class _Reader:
     """Collects faults while it reads, so that one look shows them all."""
 
     def __init__(self, faults: Faults) -> None:
+        self.faults = faults
         self.fail = faults.fail
 
     def mission(
@@ -138,6 +139,9 @@ class _Reader:
                 message = f"`{key}` and `include` do not go together"
                 hint = "put the `include` into a state of its own"
                 self.fail("misplaced-include", message, self.where(node, key), hint)
+        before = self.faults.errors
+        triggers = self.triggers(node)
+        flawed = self.faults.errors > before
         return StateSpec(
             name=name,
             where=where,
@@ -154,13 +158,14 @@ class _Reader:
             live=self.named(node, "live", _NAME),
             as_=self.named_scalar(node, "as", _NAME, "letters, digits and _"),
             include=self.scalar(node, "include"),
-            triggers=self.triggers(node),
+            triggers=triggers,
             states=states,
             outcome=self.outcome(node),
             output=self.named(node, "output", _NAME),
             deep=self.boolean(node, "deep"),
             target=self.scalar(node, "target") if type_ == "history" else None,
             breakpoint=self.boolean(node, "breakpoint"),
+            flawed=flawed,
         )
 
     def usual_type(self, node: Mapping) -> StateType:

@@ -201,6 +201,24 @@ def test_faults_of_form_and_of_meaning_are_reported_together_errors_first(write:
     assert result.err.splitlines()[-1] == "m.yaml: 4 errors, 1 warning"
 
 
+def test_what_only_may_follow_from_a_mistake_is_not_told_but_all_else_is(write: Write) -> None:
+    text = (
+        "states:\n  up: {do: takeof, with: {altitude: $hight}, on: {done: down, oops: down}}\n"
+        "  down: {do: land}\n  lost: {do: hover, on: {link.lsot: down}}\n"
+    )
+    write("m.yaml", text)
+    result = run_cli("check", "m.yaml", "--json")
+    found = [(f["where"], f["code"]) for f in json.loads(result.out)[0]["faults"]]
+    # `up` may end with `oops`; whether `lost` is left, or reached, its mistake leaves open.
+    assert found == [
+        ("m.yaml:2:12", "unknown-behaviour"),
+        ("m.yaml:2:38", "unknown-name"),
+        ("m.yaml:3:3", "unhandled-outcome"),
+        ("m.yaml:3:3", "no-way-out"),
+        ("m.yaml:4:26", "unknown-event"),
+    ]
+
+
 def test_a_world_that_is_not_there_hides_nothing(write: Write) -> None:
     write("m.yaml", "world: yrad\nuses: [mine.py]\n" + START.replace("down", "dwon") + END)
     result = run_cli("check", "m.yaml", "--json")
