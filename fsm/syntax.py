@@ -21,6 +21,7 @@ _STRING = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
 _PLACEHOLDER = 0x20000
 """First of a run of letters (CJK extension B) that stand for quantities while Python parses."""
 
+_FORBIDDEN = re.compile(f"[\0\ud800-\udfff{chr(_PLACEHOLDER)}-\U0010ffff]")
 _LINE_ENDS = str.maketrans("\n\r\f\v", "    ")
 
 
@@ -52,11 +53,10 @@ def parse(text: str, where: Where) -> Parsed:
         )
     if not text.strip():
         raise UserError("empty-expression", "an expression is missing here", where)
-    for column, letter in enumerate(text):
-        if ord(letter) >= _PLACEHOLDER or letter == "\0" or "\ud800" <= letter <= "\udfff":
-            raise UserError(
-                "bad-expression", "this letter is not allowed here", where.right(column)
-            )
+    letter = _FORBIDDEN.search(text)
+    if letter:
+        place = where.right(letter.start())
+        raise UserError("bad-expression", "this letter is not allowed here", place)
     masked, quantities = _mask_quantities(text)
     # One line, in parentheses, so that Python neither minds line ends nor leading blanks.
     source = f"({masked})".translate(_LINE_ENDS)
