@@ -6,6 +6,7 @@ import ast
 import re
 import warnings
 from dataclasses import dataclass
+from keyword import iskeyword
 
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, Dimension, in_unit
@@ -58,6 +59,12 @@ def parse(text: str, where: Where) -> Parsed:
         place = where.right(letter.start())
         raise UserError("bad-expression", "this letter is not allowed here", place)
     masked, quantities = _mask_quantities(text)
+    word = masked.strip(" \t\n\r\f\v")
+    if word in quantities or (word.isascii() and word.isidentifier() and not iskeyword(word)):
+        # A name or a quantity by itself, as most values and durations are: that is known at once.
+        column = 1 + masked.index(word)
+        name = ast.Name(word, ast.Load(), lineno=1, col_offset=column)
+        return Parsed(name, quantities, 1, f"({masked})", where)
     # One line, in parentheses, so that Python neither minds line ends nor leading blanks.
     source = f"({masked})".translate(_LINE_ENDS)
     try:

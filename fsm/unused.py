@@ -18,11 +18,12 @@ def unused(spec: MissionSpec) -> list[Fault]:
     """A warning for each parameter, variable and `define` that stands nowhere but where it is
     declared. A name that is a word of the file elsewhere counts as used: none is warned of wrongly.
     """
-    words = Counter(_words(spec.node)) if spec.node is not None else Counter[str]()
     declared = [("parameter", named.name.text, named.name.where) for named in spec.parameters]
     for state in spec.root.walk():
         declared += [("data variable", named.name.text, named.name.where) for named in state.data]
         declared += [("define", define.name, define.where) for define in state.define]
+    # Where nothing is declared no word need be counted.
+    words = Counter(_words(spec.node) if declared and spec.node is not None else ())
     return [
         Fault(
             "unused", f"the {what} '{name}' is never used", where, "remove it, or use it", "warning"
