@@ -32,9 +32,13 @@ class Parsed:
 
     tree: ast.expr
     quantities: dict[str, tuple[float, Dimension]]
-    parts: int
     source: str
     where: Where
+
+    @property
+    def parts(self) -> int:
+        """How many expressions and comprehensions it consists of; slow, and seldom asked."""
+        return sum(isinstance(node, (ast.expr, ast.comprehension)) for node in ast.walk(self.tree))
 
     def place(self, node: ast.AST) -> Where:
         """Where a part of it stands in the file."""
@@ -64,7 +68,7 @@ def parse(text: str, where: Where) -> Parsed:
         # A name or a quantity by itself, as most values and durations are: that is known at once.
         column = 1 + masked.index(word)
         name = ast.Name(word, ast.Load(), lineno=1, col_offset=column)
-        return Parsed(name, quantities, 1, f"({masked})", where)
+        return Parsed(name, quantities, f"({masked})", where)
     # One line, in parentheses, so that Python neither minds line ends nor leading blanks.
     source = f"({masked})".translate(_LINE_ENDS)
     try:
@@ -82,15 +86,16 @@ def parse(text: str, where: Where) -> Parsed:
         ) from None
     except (RecursionError, MemoryError, ValueError):
         raise too_deep(where) from None
-    parts = sum(isinstance(node, (ast.expr, ast.comprehension)) for node in ast.walk(tree))
-    if parts > MAX_NODES:
+    parsed = Parsed(tree, quantities, source, where)
+    # Every part has a letter of its own, so that most need not be counted.
+    if len(text) > MAX_NODES and parsed.parts > MAX_NODES:
         raise UserError(
             "expression-too-long",
-            f"an expression has at most {MAX_NODES} parts; this one has {parts}",
+            f"an expression has at most {MAX_NODES} parts; this one has {parsed.parts}",
             where,
             "give parts of it names in `define`",
         )
-    return Parsed(tree, quantities, parts, source, where)
+    return parsed
 
 
 def too_deep(where: Where) -> UserError:
