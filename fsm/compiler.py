@@ -349,7 +349,9 @@ class _Compiler:
         return edge
 
     def targets(self, node: Node, spec: TransitionSpec) -> tuple[Node, ...]:
-        targets = tuple(self.tree.target(node, target) for target in spec.targets)
+        targets = tuple([self.tree.target(node, target) for target in spec.targets])
+        if len(targets) < 2:
+            return targets
         for (one, a), (two, b) in combinations(zip(spec.targets, targets, strict=True), 2):
             common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
             if common.type != "parallel" or common in (a, b):

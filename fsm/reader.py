@@ -309,21 +309,22 @@ class _Reader:
         """The map with each misspelt key read as the one that was meant."""
         meant: list[tuple[Scalar, Node]] = []
         for key, value in node:
-            free = allowed - {other.text for other, _ in node}
-            near = get_close_matches(key.text, free, n=1)
-            if key.text in allowed | NOT_YET or not near:
-                meant.append((key, value))
-            elif near[0] not in {k.text for k, _ in meant}:
-                meant.append((Scalar(near[0], key.where), value))
             if key.text in allowed:
+                meant.append((key, value))
                 continue
             if key.text in NOT_YET:
+                meant.append((key, value))
                 self.fail(
                     "not-yet",
                     f"'{key.text}' is part of the language but not of this version",
                     key.where,
                 )
                 continue
+            near = get_close_matches(key.text, allowed - {other.text for other, _ in node}, n=1)
+            if not near:
+                meant.append((key, value))
+            elif near[0] not in {k.text for k, _ in meant}:
+                meant.append((Scalar(near[0], key.where), value))
             hint = nearest(key.text, allowed)
             if key.text in ROOT_KEYS:
                 hint = f"'{key.text}' stands at the top of the file only"

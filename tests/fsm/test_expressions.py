@@ -69,6 +69,9 @@ def mistake(text: str, wanted: Type = ANY) -> str:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
+        (" n ", 3),
+        ("true", True),
+        ("word", "tag"),
         ("1 + 2 * 3", 7),
         ("2 ** 3", 8.0),
         ("-n", -3),
@@ -147,6 +150,12 @@ def test_quantities_are_exact() -> None:
         ("", "empty-expression 1"),
         ("   ", "empty-expression 1"),
         ("1 +", "bad-expression 4"),
+        ("nn", "unknown-name 1"),
+        ("  nn ", "unknown-name 3"),
+        (" \xa0n", "bad-expression 2"),
+        ("if", "bad-expression 1"),
+        ("n n", "bad-expression 1"),
+        ("2 m 3 m", "bad-expression 1"),
         ("nn + 1", "unknown-name 1"),
         ("1 + (2 * nope)", "unknown-name 10"),
         ("ítem + nope", "unknown-name 1"),
