@@ -243,7 +243,7 @@ def _root_properties() -> dict[str, Schema]:
 def _properties(vocabulary: Vocabulary) -> dict[str, Schema]:
     actions, transitions = _ref("actions"), _ref("transition")
     names = [
-        {"const": name, "description": behavior.help}
+        {"const": name, "description": behavior.help.replace("``", "`")}
         for name, behavior in sorted(vocabulary.behaviors.items())
     ]
     events = dict.fromkeys(sorted(vocabulary.events), transitions)
