@@ -68,7 +68,7 @@ def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec
     if document is None:
         return read_mission(found.path, found.shown_as, faults)
     if is_mission(document):
-        return import_mission(document, found.shown_as)
+        return import_mission(document, found.shown_as, found.path.parent)
     name = document.get("name") or found.path.stem
     return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound"))
 

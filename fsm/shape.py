@@ -24,7 +24,7 @@ def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator
                 "no-way-out",
                 f"nothing ever leaves '{node.path or graph.name}'",
                 node.where,
-                "give it a transition with a target, or make it `type: final`",
+                "give it a transition with a target, or make it final",
             )
 
 

@@ -8,7 +8,8 @@ Not supported, and reported: ``invoke``, late binding, data and scripts in other
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -19,11 +20,12 @@ from fsm.scope import FIRST_HOST_SLOT
 from fsm.scxml.content import Content, needed
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import Names, assigned_names, compile_value
+from fsm.shape import dead_alternatives, endless_always, endless_states, unreachable
 from fsm.spec import StateType
 from fsm.tree import domain_of
 from fsm.types import ANY
 from fsm.vocabulary import Vocabulary
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Fault, UserError, Where, nearest
 
 VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})
 """A document names nothing of the host, and the host reacts to nothing in it."""
@@ -73,8 +75,29 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
     faults = Faults()
     graph = _Loader(root, name, vocabulary, faults).graph()
     if faults:
-        raise UserError.of(sorted(faults, key=lambda fault: fault.where or Where("")))
+        raise UserError.of(_in_order(faults))
+    graph.warnings = tuple(_in_order(_odd(graph)))
     return graph
+
+
+def _odd(graph: Graph) -> Iterator[Fault]:
+    """What looks like a mistake. SCXML allows all of it, so that nothing here is an error."""
+
+    def covers(earlier: str, later: str) -> bool:
+        names = (descriptor.removesuffix("*").removesuffix(".") for descriptor in later.split())
+        return all(catches(earlier, name) for name in names)
+
+    for fault in (
+        *endless_states(graph, lambda region: False),
+        *unreachable(graph),
+        *dead_alternatives(graph, covers),
+        *endless_always(graph),
+    ):
+        yield replace(fault, severity="warning")
+
+
+def _in_order(faults: Iterable[Fault]) -> list[Fault]:
+    return sorted(faults, key=lambda fault: fault.where or Where(""))
 
 
 class _Loader:

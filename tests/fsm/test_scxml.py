@@ -98,6 +98,29 @@ def test_every_fault_has_its_place(body: str, found: list[str]) -> None:
     assert faults(body) == [f"c.scxml:{fault.replace(' ', ': ')}" for fault in found]
 
 
+def test_what_is_odd_in_a_document_is_told_as_warnings() -> None:
+    text = f"""{HEAD}
+<state id="a">
+  <transition event="go.*" target="b"/>
+  <transition event="go.up go.down" target="c"/>
+  <transition event="other" cond="1 &lt; 2" target="c"/>
+  <transition event="other" target="b"/>
+</state>
+<state id="b"><transition target="c"/></state>
+<state id="c"><transition target="b"/></state>
+<state id="d"/>
+</scxml>"""
+    graph = load_document(parse_document(text, "c.scxml"), "c")
+    found = [(fault.severity, f"{fault.where} {fault.code}") for fault in graph.warnings]
+    assert found == [
+        ("warning", "c.scxml:4:3 dead-alternative"),
+        ("warning", "c.scxml:8:15 endless-always"),
+        ("warning", "c.scxml:9:15 endless-always"),
+        ("warning", "c.scxml:10:1 no-way-out"),
+        ("warning", "c.scxml:10:1 unreachable"),
+    ]
+
+
 def test_all_faults_are_told_at_once() -> None:
     body = '<state id="a"><transition target="b"/><transition cond="("/></state>'
     assert len(faults(body)) == 2
