@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Collection, Iterator, Sequence
+from itertools import pairwise
 
 from fsm.drawing.inside import LABEL_SIZE, LINE_HEIGHT, LINE_SIZE, NAME_SIZE, PAD
 from fsm.drawing.layout import draw
@@ -12,6 +13,8 @@ from fsm.graph import Graph
 from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
+Piece = tuple[str, XY, XY]
+"""A straight piece of a line, with what the line leads to."""
 STYLE = f"""\
 text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1f2933; }}
 .name {{ font-size: {NAME_SIZE:g}px; font-weight: bold; }}
@@ -43,6 +46,7 @@ def write_svg(graph: Graph) -> str:
 def render(picture: Picture, active: Collection[str] = ()) -> str:
     """A picture as SVG; ``active`` are the paths of states to highlight."""
     width, height = f"{picture.width:g}", f"{picture.height:g}"
+    drawn: set[Piece] = set()
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
@@ -56,7 +60,7 @@ def render(picture: Picture, active: Collection[str] = ()) -> str:
                 f'<path class="apart" d="M{_xy(one)} L{_xy(two)}"/>'
                 for one, two in picture.separators
             ),
-            *(part for line in picture.lines for part in _line(line)),
+            *(part for line in picture.lines for part in _line(line, drawn)),
             "</svg>\n",
         ]
     )
@@ -95,20 +99,31 @@ def _text(kind: str, x: float, y: float, text: str, more: str = "") -> str:
     return f'<text class="{kind}" x="{x:g}" y="{y:g}"{more}>{_escape(text)}</text>'
 
 
-def _line(line: Line) -> Iterator[str]:
+def _line(line: Line, drawn: set[Piece]) -> Iterator[str]:
     yield f"<g><title>{_escape(line.title)}</title>"
     if line.dot:
         x, y = line.points[0]
         yield f'<circle class="dot" cx="{x:g}" cy="{y - 5:g}" r="5"/>'
     (x, y), up = line.points[-1], line.points[-1][1] < line.points[-2][1]
     base = y + 8 if up else y - 8
-    yield f'<path class="line" d="{_curve([*line.points[:-1], (x, base)])}"/>'
+    own = _own(line.target, [*line.points[:-1], (x, base)], drawn)
+    yield f'<path class="line" d="{_curve(own)}"/>'
     yield f'<path class="head" d="M{x:g} {y:g} L{x - 4:g} {base:g} L{x + 4:g} {base:g} Z"/>'
     if line.label:
         for index, text in enumerate(line.label.lines):
             bottom = line.label.y + LINE_HEIGHT * (index + 1) - 4
             yield _text("label", line.label.x, bottom, text)
     yield "</g>"
+
+
+def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
+    """A line up to where another to the same target goes on for both, and is drawn already."""
+    for index, (one, two) in enumerate(pairwise(points)):
+        if (target, one, two) in drawn:
+            # To the middle of that piece: at its end the other turns in a curve.
+            return [*points[: index + 1], ((one[0] + two[0]) / 2, (one[1] + two[1]) / 2)]
+        drawn.add((target, one, two))
+    return points
 
 
 def _escape(text: str) -> str:

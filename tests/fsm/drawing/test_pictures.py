@@ -121,6 +121,16 @@ def test_final_history_parallel_and_initial_have_their_signs() -> None:
     assert _count(graph, "rect", "active", ("outer", "outer.inner")) == 2
 
 
+def test_lines_that_have_joined_are_drawn_once() -> None:
+    """Else a state that all others lead to makes a file of megabytes."""
+    states = ", ".join(f"s{n}: {{on: {{battery.low: s{n + 1}, link.lost: s0}}}}" for n in range(40))
+    graph = graph_of(f"mission: m\nstates: {{{states}, s40: {{type: final}}}}\n")
+    paths = ElementTree.fromstring(write_svg(graph)).iter(f"{SVG}path")
+    corners = [(path.get("d") or "").count("Q") for path in paths if path.get("class") == "line"]
+    together = {point for line in draw(graph).lines for point in line.points}
+    assert sum(corners) < 1.5 * len(together)
+
+
 def test_what_svg_would_misread_is_escaped() -> None:
     guard = "time_in_state < 1 s"
     graph = graph_of(
