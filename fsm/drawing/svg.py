@@ -120,8 +120,8 @@ def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
     """A line up to where another to the same target goes on for both, and is drawn already."""
     for index, (one, two) in enumerate(pairwise(points)):
         if (target, one, two) in drawn:
-            # To the middle of that piece: at its end the other turns in a curve.
-            return [*points[: index + 1], ((one[0] + two[0]) / 2, (one[1] + two[1]) / 2)]
+            # A little of that piece as well: what is drawn twice looks thicker.
+            return [*points[: index + 1], _along(one, two, min(2 * ROUND, _length(one, two) / 2))]
         drawn.add((target, one, two))
     return points
 
