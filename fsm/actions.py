@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
@@ -14,14 +13,13 @@ from fsm.scope import Binding
 from fsm.spec import ActionSpec
 from fsm.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
 from fsm.vocabulary import Vocabulary
+from fsm.words import EVENT_NAME, SMALL_NAME
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind
 from vencejo.units import TIME
 
-_EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
 _SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
-_VEHICLE = re.compile(r"[a-z][a-z0-9_]*")
 _NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
@@ -173,7 +171,7 @@ def _fields(
 
 def _event_name(node: Node | None, where: Where) -> str:
     name = node.text if isinstance(node, Scalar) else ""
-    if not _EVENT.fullmatch(name):
+    if not EVENT_NAME.fullmatch(name):
         raise UserError("bad-event", "the name of an event with a dot is missing here", where)
     if name.startswith("error."):
         raise UserError("bad-event", f"'{name}' is not yours to raise", where)
@@ -225,7 +223,7 @@ def _receiver(node: Node | None, context: Context) -> str:
     """The vehicle an event is sent to; empty for one's own."""
     if node is None:
         return ""
-    if not isinstance(node, Scalar) or not _VEHICLE.fullmatch(node.text):
+    if not isinstance(node, Scalar) or not SMALL_NAME.fullmatch(node.text):
         raise UserError("bad-name", "`to` is the name of a vehicle of the fleet", node.where)
     if context.peers is not None and node.text not in context.peers:
         raise UserError(

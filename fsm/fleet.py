@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -16,6 +15,7 @@ from fsm.parameters import constant_value
 from fsm.scope import TIME_SLOT, Binding, Scope, start
 from fsm.spec import MissionSpec
 from fsm.types import ANY, BOOL, MapOf, Number
+from fsm.words import SMALL_NAME
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode
@@ -24,7 +24,6 @@ from vencejo.units import TIME
 
 FLEET_KEYS = frozenset({"fleet", "description", "world", "vehicles", "until"})
 VEHICLE_KEYS = frozenset({"mission", "with"})
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 @dataclass(frozen=True)
@@ -123,7 +122,7 @@ def _parameters(member: Member, graph: Graph, faults: Faults) -> None:
 
 
 def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) -> Member:
-    if not _NAME.fullmatch(name.text):
+    if not SMALL_NAME.fullmatch(name.text):
         hint = "a small letter, then small letters, digits and _"
         faults.fail("bad-name", f"'{name.text}' is no name for a vehicle", name.where, hint)
     if not isinstance(node, MapNode):

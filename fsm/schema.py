@@ -16,21 +16,24 @@ from fsm.types import NAMED, Bool, HeadingType, ListOf, MapOf, Number, PointType
 from fsm.vocabulary import Behavior, Parameter, Vocabulary
 from fsm.words import (
     ACTIONS,
+    EVENT_NAME,
     FINAL_KEYS,
     GRAPH_KEYS,
     HISTORY_KEYS,
+    NAME,
     ROOT_KEYS,
+    SMALL_NAME,
     STATE_KEYS,
     TRANSITION_KEYS,
+    TRIGGER,
 )
 
 Schema = dict[str, Any]
 
 _ANY_STATE = STATE_KEYS | FINAL_KEYS | HISTORY_KEYS
-_NAME = "^[A-Za-z][A-Za-z0-9_]*$"
-_STATE = "^[a-z][a-z0-9_]*$"
-_EVENT = r"^[a-z][a-z0-9_]*(\.[a-z0-9_]+)+$"
-_TRIGGER = r"^(\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?)$"
+_NAME, _STATE, _EVENT, _TRIGGER = (
+    f"^({form.pattern})$" for form in (NAME, SMALL_NAME, EVENT_NAME, TRIGGER)
+)
 _TEXT: Schema = {"type": ["string", "number", "boolean"]}
 _QUANTITY = r"^\s*[-+]?[0-9.]|\$"
 _EXPRESSION: Schema = {"type": "string", "pattern": r"\$"}
