@@ -159,7 +159,8 @@ class _Parser:
 
 
 _TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
-_ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"'])")
+_ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"']).*?(?P=open)", re.DOTALL)
+"""With its value, in which what looks like another attribute is none."""
 
 
 def _name(name: str) -> str:

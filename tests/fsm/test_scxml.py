@@ -57,6 +57,10 @@ def faults(body: str) -> list[str]:
         ('<state id="a"><transition cond="In(\'b\')"/></state>', ["2:36 unknown-state"]),
         ('<state id="a"><transition cond="Math.sum(1)"/></state>', ["2:38 unknown-function"]),
         ('<state id="a"><invoke/></state>', ["2:15 not-supported"]),
+        (
+            '<state id="a"><onentry><log expr="zz" label=" expr = \'q\'"/></onentry></state>',
+            ["2:35 unknown-name"],
+        ),
         ('<state id="a"><transition cond="[1].\'length\'"/></state>', ["2:37 bad-expression"]),
         ('<state id="a"><transition event="e" type="inside"/></state>', ["2:43 wrong-value"]),
         (
