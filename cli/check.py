@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import click
@@ -26,9 +26,13 @@ class Report:
 
     mission: str
     faults: tuple[Fault, ...]
-    states: int | None = None
-    """How many it has; None when it is no graph yet."""
+    graphs: tuple[Graph, ...] = ()
+    """What it became; of a fleet those that have no error, of a mission with errors none."""
     fleet: bool = False
+
+    @property
+    def states(self) -> int:
+        return sum(len(graph.nodes) - 1 for graph in self.graphs)
 
     def of(self, severity: str) -> list[Fault]:
         return [fault for fault in self.faults if fault.severity == severity]
@@ -63,8 +67,10 @@ def check(
     before the warnings; under GitHub Actions as annotations too. With --no-code a mission's own
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
     """
-    offered = None if backend is None else backend_capabilities(backend)
-    reports = [_report(mission, world, backend, offered, no_code) for mission in missions_]
+    reports = [_report(mission, world, not no_code) for mission in missions_]
+    if backend is not None:
+        offered = backend_capabilities(backend)
+        reports = [_compared(report, backend, offered) for report in reports]
     if as_json:
         click.echo(json.dumps([_shown(report) for report in reports], ensure_ascii=False))
     else:
@@ -73,41 +79,25 @@ def check(
     sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
 
 
-def _report(
-    mission: str,
-    world: str | None,
-    backend: str | None,
-    offered: frozenset[str] | None,
-    no_code: bool,
-) -> Report:
+def _report(mission: str, world: str | None, code: bool) -> Report:
     try:
-        graph = prepare(missions.find(mission), world, code=not no_code).graph
+        graph = prepare(missions.find(mission), world, code=code).graph
     except UserError as error:
-        if error.code == FLEET:
-            return _fleet(mission, world, backend, offered, no_code)
-        return Report(mission, error.faults)
-    missing = [] if offered is None else _missing(graph, str(backend), offered)
-    return Report(mission, (*missing, *graph.warnings), len(graph.nodes) - 1)
-
-
-def _fleet(
-    mission: str,
-    world: str | None,
-    backend: str | None,
-    offered: frozenset[str] | None,
-    no_code: bool,
-) -> Report:
+        if error.code != FLEET:
+            return Report(mission, error.faults)
+    else:
+        return Report(mission, graph.warnings, (graph,))
     try:
-        faults, graphs = check_fleet_file(missions.find(mission), world, code=not no_code)
+        faults, graphs = check_fleet_file(missions.find(mission), world, code=code)
     except UserError as error:
         return Report(mission, error.faults)
-    if offered is not None:
-        faults = [
-            *(fault for graph in graphs for fault in _missing(graph, str(backend), offered)),
-            *faults,
-        ]
-    states = sum(len(graph.nodes) - 1 for graph in graphs)
-    return Report(mission, tuple(faults), states, fleet=True)
+    return Report(mission, tuple(faults), tuple(graphs), fleet=True)
+
+
+def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
+    """With what the backend lacks."""
+    missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
+    return replace(report, faults=(*missing, *report.faults))
 
 
 def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
@@ -127,7 +117,7 @@ def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]
 
 def _shown(report: Report) -> dict[str, Any]:
     found: dict[str, Any] = {"mission": report.mission}
-    if report.states is not None:
+    if report.graphs or report.fleet:
         found["states"] = report.states
     if report.fleet:
         found["fleet"] = True
