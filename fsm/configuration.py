@@ -17,7 +17,7 @@ from transitions.core import EventData
 from fsm.active import active
 from fsm.event import Event
 from fsm.expressions import Compiled
-from fsm.functions import FAILURES
+from fsm.functions import FAILURES, plain
 from fsm.graph import Action, After, Edge, Graph, Node, Record, default_entry, entry_set
 from fsm.history import Memory, Progress, remember
 from fsm.model import model_class
@@ -255,7 +255,7 @@ class Configuration:
                 try:
                     value = given.with_.function(self.slots, {})
                 except FAILURES as error:
-                    reason = f"the parameter '{given.name}' has no value: {error}"
+                    reason = f"the parameter '{given.name}' has no value: {plain(error)}"
                     self._internal.append(self._outcome(root.owner, "failed", {"reason": reason}))
             self.slots[given.slot] = given.default if value is None else value
 
@@ -350,7 +350,7 @@ class Configuration:
         try:
             value = compiled.function(self.slots, event)
         except FAILURES as error:
-            self._failed(compiled.where, compiled.source, f"{compiled.source}: {error}")
+            self._failed(compiled.where, compiled.source, f"{compiled.source}: {plain(error)}")
             return otherwise
         if self._broken:
             self._broken.discard((compiled.where, compiled.source))
@@ -362,7 +362,9 @@ class Configuration:
             try:
                 action.run(self, event.fields)
             except FAILURES as error:
-                self._failed(action.where, action.kind, f"{action.kind}: {error}", action=True)
+                self._failed(
+                    action.where, action.kind, f"{action.kind}: {plain(error)}", action=True
+                )
                 return
             if self._broken:
                 self._broken.discard((action.where, action.kind))

@@ -48,6 +48,15 @@ FAILURES = (EvaluationError, ArithmeticError, TypeError, ValueError, LookupError
 """What evaluating a checked expression can still raise, all of it ``error.execution``."""
 
 
+def plain(error: Exception) -> str:
+    """Why an expression has no value, in plain words."""
+    if isinstance(error, OverflowError):
+        return "the result is too large"
+    if isinstance(error, ZeroDivisionError):
+        return "a division by zero"
+    return str(error)
+
+
 def bounded(value: Any) -> Any:
     """A value small enough to keep. Raises EvaluationError."""
     if isinstance(value, (int, float)) and -MAX_NUMBER < value < MAX_NUMBER:

@@ -20,7 +20,7 @@ from typing import Any
 
 from fsm.configuration import Configuration, Running
 from fsm.event import NOTHING, Event
-from fsm.functions import FAILURES
+from fsm.functions import FAILURES, plain
 from fsm.graph import Edge, Graph, Invocation, Node, Record, default_entry
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
@@ -404,7 +404,7 @@ class Instance(Configuration):
             try:
                 values[name] = compiled.function(self.slots, {})
             except FAILURES as error:
-                reason = f"the parameter '{name}' has no value: {error}"
+                reason = f"the parameter '{name}' has no value: {plain(error)}"
                 self._end(node, running, Outcome("failed", {"reason": reason}))
                 return running
         for name, compiled in invocation.live.items():
