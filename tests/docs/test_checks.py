@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("vencejo", "fsm", "behaviors", "worlds", "hal", "cli")
-REPORTERS = {"UserError", "VehicleError", "Fault", "fail", "warn"}
+REPORTERS = {"UserError", "VehicleError", "Fault", "Misfit", "fail", "warn"}
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 
 
