@@ -1,4 +1,4 @@
-"""drone-cli schema: the mission language for editors."""
+"""drone-cli schema: the languages of missions and worlds, for editors."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import click
 
 from behaviors import drone_vocabulary
 from fsm.schema import mission_schema
+from worlds.schema import world_schema
 
 
 @click.command()
-def schema() -> None:
+@click.option("--worlds", is_flag=True, help="Of world files instead of missions.")
+def schema(worlds: bool) -> None:
     """Print the JSON Schema of missions, with every installed behaviour.
 
     Editors that know YAML schemas complete and explain with it what you write:
@@ -22,4 +24,5 @@ def schema() -> None:
 
       # yaml-language-server: $schema=mission.schema.json
     """
-    click.echo(json.dumps(mission_schema(drone_vocabulary()), ensure_ascii=False, indent=2))
+    found = world_schema() if worlds else mission_schema(drone_vocabulary())
+    click.echo(json.dumps(found, ensure_ascii=False, indent=2))

@@ -310,3 +310,4 @@ def test_the_schema_is_printed_as_json() -> None:
     printed = json.loads(run_cli("schema").out)
     assert printed["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert "states" in printed["else"]["properties"]
+    assert "boxes" in json.loads(run_cli("schema", "--worlds").out)["properties"]
