@@ -2,10 +2,80 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from worlds.loader import FIELDS
 from worlds.values import fields_schema
+
+HELP: Mapping[str, str] = {
+    "alt": "Metres above mean sea level.",
+    "ambient": "How bright the shade is, 0 to 100 %.",
+    "at": "Where it stands, the middle of its underside: [x, y] or [x, y, z], metres.",
+    "battery": "Charge of every vehicle when the run begins.",
+    "beacons": "Coloured balls that are no obstacles; each is a place too.",
+    "boards": "ChArUco boards.",
+    "boxes": "Solid cuboids.",
+    "cars": "Cars, 4.2 m long.",
+    "color": "A name, or [red, green, blue] from 0 to 255.",
+    "columns": "Squares along its width.",
+    "crossing": "Whether the road may meet itself.",
+    "cylinders": "Upright poles and tanks.",
+    "description": "One sentence that says what it is.",
+    "dictionary": "The family of markers, with OpenCV's name without DICT_.",
+    "edge_width": "Of the edge lines, metres.",
+    "edges": "The colour of edge lines; without it there are none.",
+    "faces": "It stands upright and is seen from this direction; without it, it lies flat.",
+    "file": "Named from this file's folder.",
+    "gaps": "Stretches without road, [from, to] in metres along it.",
+    "gates": "Frames to fly through along `heading`.",
+    "ground": "The colour, size, picture and hills of the ground.",
+    "heading": "Counter-clockwise from east: 90 deg faces north.",
+    "height": "Metres; of the sun, its angle above the horizon.",
+    "heights": "As on a map: the first row is north. 0 along the border.",
+    "houses": "Flat-roofed houses, the door in front.",
+    "id": "Number of the marker in its dictionary.",
+    "lat": "Degrees north.",
+    "lean": "Leans it back; 90 deg would lay it down.",
+    "light": "The sun and the sky.",
+    "lon": "Degrees east.",
+    "loop": "Whether it leads round, back to its first point.",
+    "lying": "Whether the person lies, the head towards `heading`.",
+    "marker": "On a box, a marker on its top; on a board, the side of its markers.",
+    "markers": "Fiducial markers, flat or standing.",
+    "meshes": "Triangles of .obj and .stl files.",
+    "models": "The shapes of .urdf and .sdf files.",
+    "moves": "A path that it follows at a constant speed, instead of `at`.",
+    "origin": "Where (0, 0, 0) is on the Earth.",
+    "people": "People, 1.75 m tall.",
+    "places": "Names for points: [x, y, z], metres.",
+    "radius": "Metres.",
+    "roads": "Painted roads.",
+    "roof": "The colour of the roof.",
+    "rows": "Squares along its height.",
+    "scale": "What its lengths are multiplied with.",
+    "signs": "Boards on a post.",
+    "size": "Metres: one side, or along each of its own axes; of a marker its black square.",
+    "sky": "The colour of the sky.",
+    "smooth": "Whether it is a curve through all its points.",
+    "speed": "How fast it goes.",
+    "spheres": "Balls.",
+    "square": "The side of one square of the board.",
+    "start": "Where vehicles stand when the run begins: one place, or a list.",
+    "terrain": "Hills: heights over a square about the origin.",
+    "texture": "A PNG or JPEG file, named from this file's folder.",
+    "thickness": "Metres.",
+    "through": "The points it leads through.",
+    "tile": "The side of one tile of the picture, metres.",
+    "top": "Height of the upper edge, metres.",
+    "trees": "Trees: a trunk and a round crown.",
+    "turn": "Turns it in its own plane, counter-clockwise.",
+    "turns": "Whether it faces where it goes.",
+    "walls": "Straight walls from point to point.",
+    "width": "Metres.",
+    "world": "The world's name.",
+}
+"""What each key is for, as editors show it."""
 
 
 def world_schema() -> dict[str, Any]:
@@ -17,5 +87,20 @@ def world_schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "World",
-        **fields_schema(FIELDS),
+        **_explained(fields_schema(FIELDS)),
     }
+
+
+def _explained(schema: Any) -> Any:
+    """A schema with help for every key."""
+    if isinstance(schema, list | tuple):
+        return [_explained(part) for part in schema]
+    if not isinstance(schema, Mapping):
+        return schema
+    found = {word: _explained(part) for word, part in schema.items() if word != "properties"}
+    if "properties" in schema:
+        found["properties"] = {
+            key: {**_explained(value), "description": HELP[key]}
+            for key, value in schema["properties"].items()
+        }
+    return found

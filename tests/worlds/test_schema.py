@@ -12,7 +12,7 @@ from tests.worlds.faults import SHAPE_FAULTS
 from vencejo.nodes import Mapping, Node, Scalar, read_file, read_text
 from vencejo.units import parse_number
 from worlds import find_world, world_names
-from worlds.schema import world_schema
+from worlds.schema import HELP, world_schema
 
 SCHEMA = Draft202012Validator(world_schema())
 
@@ -50,3 +50,21 @@ def test_it_takes_the_example_of_the_guide() -> None:
 @pytest.mark.parametrize("text", [text for text, _ in SHAPE_FAULTS])
 def test_it_refuses_what_the_loader_refuses(text: str) -> None:
     assert not SCHEMA.is_valid(plain(read_text(text, "w.yaml")))
+
+
+def test_every_key_is_explained() -> None:
+    explained = set()
+
+    def look(schema: Any) -> None:
+        if isinstance(schema, list):
+            for part in schema:
+                look(part)
+        elif isinstance(schema, dict):
+            for key, value in schema.get("properties", {}).items():
+                assert value["description"] == HELP[key]
+                explained.add(key)
+            for part in schema.values():
+                look(part)
+
+    look(world_schema())
+    assert explained == set(HELP)
