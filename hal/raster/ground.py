@@ -1,0 +1,214 @@
+"""The ground in a picture: bands of equal detail, from the horizon to the camera's feet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, inf
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from hal.raster.solids import Array
+from hal.raster.tiles import FINEST, LEVELS, SIDE, Tiles
+
+Pixels = NDArray[np.uint8]
+
+_STRETCH = 0.75
+"""Between detail for the length of a pixel's footprint (1) and for its width (0)."""
+_MARGIN = 1
+"""Tiles about those in view that a patch reaches further."""
+_THINNEST = 3
+"""Pixels that a band is high at least."""
+_LARGEST = 14
+"""Tiles along a patch at most."""
+
+
+@dataclass(eq=False)
+class _Patch:
+    """Tiles of one level that lie together, as one picture."""
+
+    column: int
+    row: int
+    columns: int
+    rows: int
+    texels: Pixels
+
+    def holds(self, west: int, south: int, east: int, north: int) -> bool:
+        return (
+            self.column <= west
+            and self.row <= south
+            and east < self.column + self.columns
+            and north < self.row + self.rows
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A part of the picture that shows the ground at one level of detail."""
+
+    corners: Array
+    """Convex polygon in pixels, (n, 2)."""
+    level: int | None
+    """None for the plain ground at the horizon."""
+
+
+class GroundView:
+    """How a camera sees the ground at one moment."""
+
+    def __init__(self, eye: Array, turn: Array, matrix: Array, height: float) -> None:
+        """``turn`` rotates optical axes into the world, ``matrix`` is the camera's 3 × 3.
+
+        ``height`` is the camera's above the ground; at or below 0 nothing of the ground is seen.
+        """
+        self.height = height
+        rays = turn @ np.linalg.inv(matrix)
+        # A ray's fall is a linear function of the pixel, and the inverse of its depth.
+        self.fall = -rays[2]
+        self.to_ground = np.stack(
+            [
+                eye[0] * rays[2] - height * rays[0],
+                eye[1] * rays[2] - height * rays[1],
+                rays[2],
+            ]
+        )
+        self._focal = (matrix[0, 0] + matrix[1, 1]) / 2
+        self._tilt = hypot(turn[2, 0], turn[2, 1])
+
+    def bands(self, width: int, height: int) -> list[Band]:
+        """The bands of a picture, from the horizon down."""
+        if self.height <= 0:
+            return []
+        frame = np.array([[-1.0, -1.0], [-1.0, height], [width, height], [width, -1.0]])
+        falls = frame @ self.fall[:2] + self.fall[2]
+        if falls.max() <= 0:
+            return []
+        found = []
+        per_pixel = hypot(self.fall[0], self.fall[1])
+        upper, coarsest = self.height / self._depth(LEVELS), LEVELS - 1
+        self._add(found, frame, falls, 0.0, upper, None)
+        for level in range(LEVELS - 1, -1, -1):
+            near = self._depth(level) if level else 0.0
+            lower = self.height / near if near else inf
+            last = lower >= falls.max()
+            # Towards the horizon several levels share a band: each costs time.
+            if last or lower - upper > _THINNEST * per_pixel:
+                self._add(found, frame, falls, upper, lower, (level + coarsest + 1) // 2)
+                upper, coarsest = lower, level - 1
+            if last:
+                break
+        return found
+
+    def _depth(self, level: int) -> float:
+        """Depth at which the footprint of a pixel is half-way between two levels."""
+        reach = FINEST * 2 ** (level - 0.5) * self._focal
+        stretched = self.height / max(self._tilt, 1e-9)
+        if reach <= stretched:
+            return reach
+        return float((reach * stretched**_STRETCH) ** (1 / (1 + _STRETCH)))
+
+    def _add(
+        self,
+        found: list[Band],
+        frame: Array,
+        falls: Array,
+        low: float,
+        high: float,
+        level: int | None,
+    ) -> None:
+        polygon = _between(frame, falls, low, high)
+        if len(polygon) >= 3:
+            found.append(Band(polygon, level))
+
+
+def _between(frame: Array, falls: Array, low: float, high: float) -> Array:
+    """The part of a convex polygon where a linear function lies between two values."""
+    points = [(float(x), float(y), float(f)) for (x, y), f in zip(frame, falls, strict=True)]
+    for bound, sign in ((low, 1.0), (high, -1.0)):
+        kept: list[tuple[float, float, float]] = []
+        for k, (x, y, f) in enumerate(points):
+            px, py, pf = points[k - 1]
+            inside, was_inside = sign * (f - bound) >= 0, sign * (pf - bound) >= 0
+            if inside != was_inside:
+                share = (bound - pf) / (f - pf)
+                kept.append((px + share * (x - px), py + share * (y - py), bound))
+            if inside:
+                kept.append((x, y, f))
+        points = kept
+    return np.array([(x, y) for x, y, _ in points]).reshape(-1, 2)
+
+
+class GroundPainter:
+    """Draws bands of a ground."""
+
+    def __init__(self, tiles: Tiles) -> None:
+        self._tiles = tiles
+        self._patches: dict[int, _Patch] = {}
+
+    def draw(
+        self,
+        view: GroundView,
+        band: Band,
+        box: tuple[int, int, int, int],
+        into: Pixels | None = None,
+    ) -> Pixels:
+        """The pixels of a box (left, top, right, bottom; the last ones outside) of a band.
+
+        They are drawn into a picture of the box's size, if one is given.
+        """
+        left, top, right, bottom = box
+        if band.level is None:
+            plain = filled(right - left, bottom - top, self._tiles.beyond)
+            if into is not None:
+                into[:] = plain
+            return plain
+        patch = self._patch(view, band, band.level)
+        texel = FINEST * 2**band.level
+        to_patch = np.array(
+            [
+                [1 / texel, 0.0, -patch.column * SIDE - 0.5],
+                [0.0, 1 / texel, -patch.row * SIDE - 0.5],
+                [0.0, 0.0, 1.0],
+            ]
+        )
+        move = np.array([[1.0, 0.0, left], [0.0, 1.0, top], [0.0, 0.0, 1.0]])
+        return np.asarray(
+            cv2.warpPerspective(
+                patch.texels,
+                to_patch @ view.to_ground @ move,
+                (right - left, bottom - top),
+                into,
+                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                borderMode=cv2.BORDER_REPLICATE,
+            ),
+            np.uint8,
+        )
+
+    def _patch(self, view: GroundView, band: Band, level: int) -> _Patch:
+        seen = np.column_stack([band.corners, np.ones(len(band.corners))]) @ view.to_ground.T
+        places = seen[:, :2] / seen[:, 2:] / (FINEST * 2**level * SIDE)
+        west, south = np.floor(places.min(0) - 1 / SIDE).astype(int).tolist()
+        east, north = np.floor(places.max(0) + 1 / SIDE).astype(int).tolist()
+        patch = self._patches.get(level)
+        if patch is None or not patch.holds(west, south, east, north):
+            patch = self._patches[level] = self._assemble(level, west, south, east, north)
+        return patch
+
+    def _assemble(self, level: int, west: int, south: int, east: int, north: int) -> _Patch:
+        column, row = west - _MARGIN, south - _MARGIN
+        columns, rows = east - west + 1 + 2 * _MARGIN, north - south + 1 + 2 * _MARGIN
+        held = min(columns, _LARGEST), min(rows, _LARGEST)
+        texels = np.empty((held[1] * SIDE, held[0] * SIDE, 4), np.uint8)
+        for r in range(held[1]):
+            for c in range(held[0]):
+                texels[r * SIDE : (r + 1) * SIDE, c * SIDE : (c + 1) * SIDE] = self._tiles.tile(
+                    level, column + c, row + r
+                )
+        return _Patch(column, row, columns, rows, texels)
+
+
+def filled(width: int, height: int, color: tuple[int, ...]) -> Pixels:
+    """A picture of one BGRA colour."""
+    # As whole words: filling byte by byte takes twenty times as long.
+    word = np.frombuffer(bytes(color), np.uint32)[0]
+    return np.full((height, width), word, np.uint32).view(np.uint8).reshape(height, width, 4)
