@@ -288,7 +288,8 @@ class Raster:
         normals = scene.normals[faces.numbers]
         distances = scene.offsets[faces.numbers] - normals @ shot.eye
         # On a plane n · p = d the inverse depth is n · ray / d.
-        planes = (normals @ shot.turn) @ np.linalg.inv(shot.matrix) / distances[:, None]
+        to_rays = np.linalg.inv(shot.matrix)
+        planes = (normals @ shot.turn) @ to_rays / distances[:, None]
         textured = {}
         for k in np.flatnonzero(mine).tolist():
             rows = part.polygon == k
@@ -297,7 +298,12 @@ class Raster:
                 box = int(left), int(part.y[rows][0]), int(right) + 1, int(part.y[rows][-1]) + 1
                 pixels = self._texture(shot, int(faces.numbers[k]), float(shades[k]), box)
                 textured[k] = box, pixels
-        draw_knot(image, part, planes, colors.astype(np.uint8), textured)
+        balls = {}
+        for k in np.flatnonzero(mine).tolist():
+            solid = int(scene.solid_of_face[faces.numbers[k]])
+            if scene.sphere[solid]:
+                balls[k] = shot.to_camera(scene.middles[solid]), float(scene.sphere[solid])
+        draw_knot(image, part, planes, colors.astype(np.uint8), textured, balls, to_rays)
 
 
 _AHEAD = np.array([0.0, 0.0, 1.0])

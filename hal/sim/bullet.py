@@ -27,7 +27,7 @@ def load_pybullet() -> Any:
     """The pybullet module, imported without the banner it prints. Raises VehicleError."""
     module = sys.modules.get("pybullet")
     if module is None:
-        with _stderr_shut():
+        with stderr_shut():
             try:
                 module = import_module("pybullet")
             except ImportError as error:
@@ -41,7 +41,7 @@ def load_pybullet() -> Any:
 
 
 @contextmanager
-def _stderr_shut() -> Iterator[None]:
+def stderr_shut() -> Iterator[None]:
     """Send what C code complains to nowhere; replacing Python's own stream does not reach it."""
     try:
         kept = os.dup(2)

@@ -1,0 +1,289 @@
+"""pybullet's renderers, as a reference: the software one (``tiny``) and OpenGL's (``egl``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from importlib.util import find_spec
+from math import ceil, log2
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from hal.raster.solids import Solid, rotation, solid_of
+from hal.raster.textures import picture_of
+from hal.raster.tiles import FINEST, SIDE, Tiles
+from hal.rendering import Pose
+from hal.sim.bullet import load_pybullet, stderr_shut
+from hal.vehicle import Intrinsics
+from vencejo.errors import UserError
+from vencejo.geometry import Quaternion
+from worlds.model import World
+from worlds.things import Color, Cuboid, Mesh, Part, Sphere, Texture, Thing
+
+Pixels = NDArray[np.uint8]
+
+NEAR, FAR = 0.02, 2000.0
+"""Depths between which things are seen, metres."""
+_GROUND_TEXELS = 2048
+"""Along the picture that the whole coloured ground is painted on."""
+_BENEATH = -0.02
+"""Height of the plain ground outside the coloured square, metres."""
+
+
+class BulletView:
+    """A world in a pybullet of its own, to be looked at (see :class:`hal.rendering.Renderer`)."""
+
+    shift = 0.0
+    """How far right and down of a pixel's centre this renderer looks, pixels."""
+
+    def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
+        """Raises UserError for a texture that is none."""
+        p = load_pybullet()
+        self._p = p
+        self._world = world
+        self._shadows = shadows
+        self._client: int = self._connect()
+        self._files = TemporaryDirectory(prefix="vencejo-")
+        self._textures: dict[Texture, int] = {}
+        self.names: dict[int, str] = {}
+        """Things by the bodies that show them."""
+        self._bodies: dict[str, list[tuple[int, Part]]] = {}
+        self._moving = [thing for thing in world.things if thing.motion]
+        try:
+            self._add_ground()
+            for thing in (*world.things, *vehicles.values()):
+                self._bodies[thing.name] = [(self._show(part), part) for part in thing.parts]
+                self.names |= {body: thing.name for body, _ in self._bodies[thing.name]}
+                self._place(thing.name, (thing.at, thing.attitude))
+        except BaseException:
+            self.close()
+            raise
+        self._vehicles = tuple(vehicles)
+
+    def _connect(self) -> int:
+        return int(self._p.connect(self._p.DIRECT))
+
+    def render(
+        self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
+    ) -> Pixels:
+        """See :class:`hal.rendering.Renderer`."""
+        return self.look(pose, intrinsics, time, vehicles)[0]
+
+    def look(
+        self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
+    ) -> tuple[Pixels, NDArray[np.int32]]:
+        """A picture, and which body each pixel shows (−1: the sky)."""
+        p, light = self._p, self._world.light
+        for thing in self._moving:
+            self._place(thing.name, (thing.at, thing.attitude))
+        for name in self._vehicles:
+            self._place(name, vehicles.get(name, _AWAY))
+        view, projection = matrices(pose, intrinsics, self.shift)
+        _, _, colors, _, bodies = p.getCameraImage(
+            intrinsics.width,
+            intrinsics.height,
+            view,
+            projection,
+            lightDirection=list(light.sun),
+            lightDistance=100,
+            lightAmbientCoeff=light.ambient,
+            lightDiffuseCoeff=1 - light.ambient,
+            lightSpecularCoeff=0,
+            shadow=int(self._shadows),
+            renderer=self._renderer(),
+            physicsClientId=self._client,
+        )
+        shape = intrinsics.height, intrinsics.width
+        image = np.asarray(colors, np.uint8).reshape(*shape, 4)
+        image = np.asarray(cv2.cvtColor(image, cv2.COLOR_RGBA2BGR), np.uint8)
+        seen = np.asarray(bodies, np.int32).reshape(shape)
+        image[seen < 0] = light.sky[::-1]
+        return image, seen
+
+    def _renderer(self) -> int:
+        return int(self._p.ER_TINY_RENDERER)
+
+    def close(self) -> None:
+        if self._client >= 0:
+            self._p.disconnect(self._client)
+            self._files.cleanup()
+            self._client = -1
+
+    # Putting things up.
+
+    def _place(self, name: str, pose: Pose) -> None:
+        p = self._p
+        for body, part in self._bodies[name]:
+            at, attitude = p.multiplyTransforms(*pose, part.at, part.attitude)
+            p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
+
+    def _body(self, visual: int) -> int:
+        return int(
+            self._p.createMultiBody(0, -1, visual, [0, 0, 0], physicsClientId=self._client)
+        )
+
+    def _show(self, part: Part) -> int:
+        p, shape, color = self._p, part.shape, _rgba(part.color)
+        made: dict[str, Any] = {"rgbaColor": color, "physicsClientId": self._client}
+        made["specularColor"] = [0, 0, 0]
+        if isinstance(shape, Cuboid) and part.texture is None:
+            halves = [side / 2 for side in shape.size]
+            return self._body(p.createVisualShape(p.GEOM_BOX, halfExtents=halves, **made))
+        if isinstance(shape, Sphere):
+            # pybullet's own balls are coarse.
+            shape = _ball(shape.radius)
+        upright = Part(shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture)
+        body = self._mesh(solid_of(upright), part.color)
+        if part.texture is not None:
+            p.changeVisualShape(
+                body,
+                -1,
+                rgbaColor=[1, 1, 1, 1],
+                textureUniqueId=self._texture(part.texture),
+                physicsClientId=self._client,
+            )
+        return body
+
+    def _mesh(self, solid: Solid, color: Color) -> int:
+        p = self._p
+        vertices: list[list[float]] = []
+        uvs: list[list[float]] = []
+        indices: list[int] = []
+        for face in solid.faces:
+            base = len(vertices)
+            corners = solid.vertices[list(face.corners)].tolist()
+            vertices.extend(corners)
+            # Textured faces have four corners, the lower left first.
+            uvs.extend([[0, 1], [1, 1], [1, 0], [0, 0]] if len(corners) == 4 else [[0, 0]] * 3)
+            for k in range(1, len(corners) - 1):
+                indices.extend((base, base + k, base + k + 1))
+        visual = p.createVisualShape(
+            p.GEOM_MESH,
+            vertices=vertices,
+            indices=indices,
+            uvs=uvs,
+            rgbaColor=_rgba(color),
+            specularColor=[0, 0, 0],
+            physicsClientId=self._client,
+        )
+        return self._body(visual)
+
+    def _texture(self, texture: Texture) -> int:
+        if texture not in self._textures:
+            self._textures[texture] = self._load(picture_of(texture).level(0.0))
+        return self._textures[texture]
+
+    def _load(self, pixels: Pixels) -> int:
+        path = Path(self._files.name) / f"{len(list(Path(self._files.name).iterdir()))}.png"
+        cv2.imwrite(str(path), pixels[..., :3])
+        return int(self._p.loadTexture(str(path), physicsClientId=self._client))
+
+    def _add_ground(self) -> None:
+        p, ground = self._p, self._world.ground
+        tiles = Tiles(ground)
+        level = max(0, ceil(log2(ground.size / _GROUND_TEXELS / FINEST)))
+        reach = ceil(ground.size / 2 / (FINEST * 2**level * SIDE))
+        rows = [
+            np.hstack([tiles.tile(level, column, row) for column in range(-reach, reach)])
+            for row in range(-reach, reach)
+        ]
+        half = reach * SIDE * FINEST * 2**level
+        for side, height, pixels in (
+            (half, 0.0, np.vstack(rows)[::-1]),
+            (FAR / 4, _BENEATH, np.full((2, 2, 4), tiles.beyond, np.uint8)),
+        ):
+            visual = p.createVisualShape(
+                p.GEOM_MESH,
+                vertices=[[x, y, height] for x, y in _AROUND * side],
+                indices=[0, 1, 2, 0, 2, 3],
+                uvs=[[0, 1], [1, 1], [1, 0], [0, 0]],
+                physicsClientId=self._client,
+            )
+            p.changeVisualShape(
+                self._body(visual),
+                -1,
+                rgbaColor=[1, 1, 1, 1],
+                textureUniqueId=self._load(np.ascontiguousarray(pixels)),
+                physicsClientId=self._client,
+            )
+
+
+class TinyView(BulletView):
+    """TinyRenderer: in software, slow, without smoothing."""
+
+    shift = 0.5
+
+
+class EglView(BulletView):
+    """OpenGL without a window, by pybullet's plugin."""
+
+    def _connect(self) -> int:
+        p, client = self._p, super()._connect()
+        found = find_spec("eglRenderer")
+        plugin = -1
+        with stderr_shut(), suppress(p.error):
+            if found and found.origin:
+                plugin = p.loadPlugin(
+                    found.origin, "_eglRendererPlugin", physicsClientId=client
+                )
+        if plugin < 0:
+            p.disconnect(client)
+            raise UserError(
+                "no-egl",
+                "pybullet's EGL renderer does not run on this machine",
+                hint="take --renderer raster, which needs no OpenGL, or tiny",
+            )
+        return client
+
+    def _renderer(self) -> int:
+        return int(self._p.ER_BULLET_HARDWARE_OPENGL)
+
+
+_AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def _ball(radius: float) -> Mesh:
+    """A sphere by degrees of latitude and longitude."""
+    rings, around = 24, 48
+    south, east = np.meshgrid(
+        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, around, endpoint=False), indexing="ij"
+    )
+    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
+    ring, slice_ = np.divmod(np.arange(rings * around), around)
+    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
+    faces = np.concatenate(
+        [np.stack([a, a + around, b + around], 1), np.stack([a, b + around, b], 1)]
+    )
+    return Mesh(radius * at.reshape(-1, 3), faces.astype(np.int32))
+
+
+def _rgba(color: Color) -> list[float]:
+    return [part / 255 for part in color] + [1.0]
+
+
+def matrices(pose: Pose, lens: Intrinsics, shift: float) -> tuple[list[float], list[float]]:
+    """OpenGL's view and projection matrices, column by column."""
+    turn = rotation(pose[1])
+    # OpenGL's camera looks along −z with y up.
+    axes = turn * [1.0, -1.0, -1.0]
+    view = np.eye(4)
+    view[:3, :3] = axes.T
+    view[:3, 3] = -axes.T @ np.array(pose[0])
+    w, h = lens.width, lens.height
+    across = (2 * (lens.cx - shift) + 1) / w - 1
+    down = (2 * (lens.cy + shift) + 1) / h - 1
+    projection = np.array(
+        [
+            [2 * lens.fx / w, 0, -across, 0],
+            [0, 2 * lens.fy / h, down, 0],
+            [0, 0, -(FAR + NEAR) / (FAR - NEAR), -2 * FAR * NEAR / (FAR - NEAR)],
+            [0, 0, -1, 0],
+        ]
+    )
+    return view.T.ravel().tolist(), projection.T.ravel().tolist()
