@@ -64,6 +64,26 @@ def yaw_quaternion(yaw: float) -> Quaternion:
     return (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
 
 
+def product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """The rotation by ``b`` followed by the one by ``a``."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def turned(vector: tuple[float, float, float], q: Quaternion) -> Point:
+    """A vector of a body of that attitude, in the frame the attitude is given in."""
+    (a, b, c), (x, y, z, w) = vector, q
+    # v + 2·w·(q × v) + 2·q × (q × v)
+    p, r, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return Point(a + w * p + y * t - z * r, b + w * r + z * p - x * t, c + w * t + x * r - y * p)
+
+
 def rotate_xy(x: float, y: float, yaw: float) -> tuple[float, float]:
     """A heading-frame vector (forward, left) turned into (east, north)."""
     c, s = cos(yaw), sin(yaw)

@@ -29,7 +29,7 @@ class Image:
 
 @dataclass(frozen=True, slots=True)
 class Fiducial:
-    """A square marker with its white border, drawn when needed."""
+    """A square marker with a white border of one module, filling its plate (worlds.markers)."""
 
     dictionary: str
     """OpenCV's name without DICT_: ``4X4_50``, ``APRILTAG_36h11``, ``ARUCO_ORIGINAL``."""
@@ -38,7 +38,7 @@ class Fiducial:
 
 @dataclass(frozen=True, slots=True)
 class Charuco:
-    """A chessboard with markers in its white squares."""
+    """A chessboard with markers in its white squares, filling its plate without a border."""
 
     dictionary: str
     columns: int
