@@ -64,6 +64,16 @@ def yaw_quaternion(yaw: float) -> Quaternion:
     return (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
 
 
+def about_x(angle: float) -> Quaternion:
+    """The rotation about the x axis."""
+    return (sin(angle / 2), 0.0, 0.0, cos(angle / 2))
+
+
+def about_y(angle: float) -> Quaternion:
+    """The rotation about the y axis."""
+    return (0.0, sin(angle / 2), 0.0, cos(angle / 2))
+
+
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
     """The rotation by ``b`` followed by the one by ``a``."""
     ax, ay, az, aw = a

@@ -24,6 +24,7 @@ from hal.raster.textures import picture_of
 from hal.raster.tiles import Tiles
 from hal.vehicle import Intrinsics
 from worlds.model import World
+from worlds.motion import pose_at
 from worlds.things import Thing
 
 Pixels = NDArray[np.uint8]
@@ -74,7 +75,9 @@ class Raster:
         cv2.setNumThreads(1)
         moving = {thing.name: thing for thing in world.things if thing.motion}
         still = [thing for thing in world.things if not thing.motion]
-        self._scene = Scene(still, {**moving, **vehicles}, 0.0)
+        # A space keeps the names of vehicles apart from those of things.
+        looks = {f" {name}": thing for name, thing in vehicles.items()}
+        self._scene = Scene(still, {**moving, **looks}, 0.0)
         self._tiles = Tiles(world.ground)
         self._ground = GroundPainter(self._tiles)
         self._light = world.light
@@ -93,8 +96,9 @@ class Raster:
     ) -> Pixels:
         """See :class:`hal.rendering.Renderer`."""
         shot = _shot(pose, intrinsics)
-        places = {name: (thing.at, thing.attitude) for name, thing in self._moving.items()}
-        self._scene.place({**places, **vehicles})
+        places = {name: pose_at(thing, time) for name, thing in self._moving.items()}
+        flying = {f" {name}": pose for name, pose in vehicles.items()}
+        self._scene.place({**places, **flying})
         image = filled(shot.width, shot.height, self._sky)
         view = GroundView(shot.eye, shot.turn, shot.matrix, float(shot.eye[2]))
         bands = view.bands(shot.width, shot.height)
@@ -107,6 +111,9 @@ class Raster:
         self._draw_ground(image, view, bands, outline)
         self._draw_faces(image, shot, faces, covered, outline, len(bands))
         return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2BGR), np.uint8)
+
+    def close(self) -> None:
+        """See :class:`hal.rendering.Renderer`: there is nothing but memory to give back."""
 
     # The ground.
 

@@ -23,6 +23,7 @@ from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
 from vencejo.geometry import Quaternion
 from worlds.model import World
+from worlds.motion import pose_at
 from worlds.things import Color, Cuboid, Mesh, Part, Sphere, Texture, Thing
 
 Pixels = NDArray[np.uint8]
@@ -56,10 +57,12 @@ class BulletView:
         self._moving = [thing for thing in world.things if thing.motion]
         try:
             self._add_ground()
-            for thing in (*world.things, *vehicles.values()):
-                self._bodies[thing.name] = [(self._show(part), part) for part in thing.parts]
-                self.names |= {body: thing.name for body, _ in self._bodies[thing.name]}
-                self._place(thing.name, (thing.at, thing.attitude))
+            # A space keeps the names of vehicles apart from those of things.
+            looks = {f" {name}": thing for name, thing in vehicles.items()}
+            for name, thing in ({each.name: each for each in world.things} | looks).items():
+                self._bodies[name] = [(self._show(part), part) for part in thing.parts]
+                self.names |= {body: name for body, _ in self._bodies[name]}
+                self._place(name, (thing.at, thing.attitude))
         except BaseException:
             self.close()
             raise
@@ -80,9 +83,9 @@ class BulletView:
         """A picture, and which body each pixel shows (−1: the sky)."""
         p, light = self._p, self._world.light
         for thing in self._moving:
-            self._place(thing.name, (thing.at, thing.attitude))
+            self._place(thing.name, pose_at(thing, time))
         for name in self._vehicles:
-            self._place(name, vehicles.get(name, _AWAY))
+            self._place(f" {name}", vehicles.get(name, _AWAY))
         view, projection = matrices(pose, intrinsics, self.shift)
         _, _, colors, _, bodies = p.getCameraImage(
             intrinsics.width,

@@ -45,8 +45,9 @@ def world_of(
 ) -> World:
     """A world of things; without a light every face shows its colour as it is."""
     return World(
-        "test", "", None, ground, (Start(start, 0.0),), 1.0, (), (), {}, Path("test"), "", things,
-        light or Light(ambient=1.0),
+        name="test", description="", origin=None, ground=ground, starts=(Start(start, 0.0),), battery=1.0,
+        boxes=(), beacons=(), places={}, source=Path("test"), sha256="", things=things,
+        light=light or Light(ambient=1.0),
     )  # fmt: skip
 
 
