@@ -16,8 +16,6 @@ Pixels = NDArray[np.uint8]
 
 _STRETCH = 0.75
 """Between detail for the length of a pixel's footprint (1) and for its width (0)."""
-_MARGIN = 1
-"""Tiles about those in view that a patch reaches further."""
 _THINNEST = 3
 """Pixels that a band is high at least."""
 _LARGEST = 14
@@ -195,16 +193,15 @@ class GroundPainter:
         return patch
 
     def _assemble(self, level: int, west: int, south: int, east: int, north: int) -> _Patch:
-        column, row = west - _MARGIN, south - _MARGIN
-        columns, rows = east - west + 1 + 2 * _MARGIN, north - south + 1 + 2 * _MARGIN
+        columns, rows = east - west + 1, north - south + 1
         held = min(columns, _LARGEST), min(rows, _LARGEST)
         texels = np.empty((held[1] * SIDE, held[0] * SIDE, 4), np.uint8)
         for r in range(held[1]):
             for c in range(held[0]):
                 texels[r * SIDE : (r + 1) * SIDE, c * SIDE : (c + 1) * SIDE] = self._tiles.tile(
-                    level, column + c, row + r
+                    level, west + c, south + r
                 )
-        return _Patch(column, row, columns, rows, texels)
+        return _Patch(west, south, columns, rows, texels)
 
 
 def filled(width: int, height: int, color: tuple[int, ...]) -> Pixels:

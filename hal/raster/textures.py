@@ -15,7 +15,7 @@ from worlds.things import Charuco, Fiducial, Image, Texture
 
 Pixels = NDArray[np.uint8]
 
-CELL = 16
+CELL = 64
 """Texels along a cell of a marker, and of its white border."""
 _LARGEST = 2048
 """Pixels along a picture; larger ones are made smaller."""

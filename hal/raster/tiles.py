@@ -25,7 +25,7 @@ _KEPT = 600
 """Tiles kept, 256 KiB each."""
 _ROUGHNESS = 5.0
 """Largest brightness that each octave of the ground's own pattern adds."""
-_OCTAVES = 6
+_OCTAVES = 5
 _FINER = 4
 """Lines are drawn this much finer than a texel, and then averaged."""
 
@@ -175,8 +175,8 @@ def _roughen(tile: Pixels, level: int, column: int, row: int) -> None:
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_WRAP,
         )
-    color = tile[..., :3].astype(np.float32) + total[..., None]
-    tile[..., :3] = np.clip(np.rint(color), 0, 255)
+    added = np.rint(total).astype(np.int16)
+    cv2.add(tile, cv2.merge([added, added, added, np.zeros_like(added)]), tile, dtype=cv2.CV_8U)
 
 
 def _noise() -> NDArray[np.float32]:
