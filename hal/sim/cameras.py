@@ -28,7 +28,8 @@ _OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
 """Optical axes (x right, y down, z out) of a camera that looks ahead, in FLU axes."""
 _SLOWEST, _FASTEST = 1.0, 240.0
 """Pictures per second: a picture needs a physics step of its own."""
-TRACK = ceil(1 / (STEP * _SLOWEST)) + 8
+_STEPS_PER_SECOND = round(1 / STEP)
+TRACK = ceil(_STEPS_PER_SECOND / _SLOWEST) + 8
 """Physics steps whose states are kept: enough for the slowest camera's last picture."""
 _SUB_PICTURES = 5
 """Pictures that are averaged for one with motion blur."""
@@ -200,7 +201,7 @@ class SimCamera:
 
     def latest(self) -> Frame:
         """The newest picture; its pixels cannot be written to. Raises UserError without renderer."""
-        now, every = self._steps(), 1 / (STEP * self._spec.rate)
+        now, every = self._steps(), _STEPS_PER_SECOND / self._spec.rate
         # A picture is taken at the first physics step at or after its time.
         sequence = floor(now / every + 1e-9)
         step = ceil(sequence * every - 1e-9)
@@ -215,7 +216,7 @@ class SimCamera:
             names = self._vehicle, f"camera.{self._name}"
             self._optics = Optics(self._spec, self._studio.seed, names)
         spec, optics = self._spec, self._optics
-        time = step * STEP
+        time = step / _STEPS_PER_SECOND
         moments = [0.0]
         if spec.exposure:
             moments = [
