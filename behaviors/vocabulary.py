@@ -26,6 +26,7 @@ EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
         "position.lost": {},
         "position.restored": {},
         "geofence.breach": {},
+        "vehicle.collision": {"thing": TEXT},
     }
 )
 REACTIONS: Mapping[str, Reaction] = MappingProxyType(

@@ -1,4 +1,4 @@
-"""Urgent events: what a vehicle's observations say that a mission must not miss."""
+"""Events of the vehicle itself: what its observations say that a mission must not miss."""
 
 from __future__ import annotations
 
@@ -57,3 +57,5 @@ class Watch:
         if lost != self._lost:
             self._lost = lost
             yield ("link.lost" if lost else "link.restored"), {"age": seen.link_age}
+        for name in seen.touched:
+            yield "vehicle.collision", {"thing": name}

@@ -11,8 +11,10 @@ from typing import Any
 import click
 
 from cli import missions as known
-from cli.options import MissionName, Word
+from cli.look import VIEWS
+from cli.options import MissionName, Place, Word
 from fsm import Behavior, Parameter
+from hal.rendering import RENDERERS, show_window
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 
@@ -174,11 +176,44 @@ def _explain(behavior: Behavior) -> None:
 
 @click.command()
 @click.argument("name", required=False)
+@click.option(
+    "--render",
+    "picture_file",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write a picture of it, PNG or JPEG.",
+)
+@click.option(
+    "--camera",
+    type=Word(list(VIEWS)),
+    default="front",
+    show_default=True,
+    help="How that picture looks at it.",
+)
+@click.option("--at", type=Place(), help="From where: metres, and degrees from east.")
+@click.option(
+    "--renderer",
+    type=Word(list(RENDERERS)),
+    default="raster",
+    show_default=True,
+    help="What draws the picture.",
+)
+@click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def worlds(name: str | None, as_json: bool) -> None:
+def worlds(
+    name: str | None,
+    picture_file: Path | None,
+    camera: str,
+    at: tuple[float, float, float, float] | None,
+    renderer: str,
+    gui: bool,
+    as_json: bool,
+) -> None:
     """List the worlds that are shipped, or show NAME (or a file)."""
     from worlds import find_world, world_names
 
+    if name is None and (picture_file or gui):
+        raise UserError("no-world", "which world?", hint="drone-cli worlds road_town --render …")
     if name is None:
         rows = [(key, find_world(key).description) for key in world_names()]
         if as_json:
@@ -187,7 +222,20 @@ def worlds(name: str | None, as_json: bool) -> None:
             _table(rows)
         return
     world = find_world(name)
+    if picture_file:
+        from cli.look import render
+
+        render(world, picture_file, camera, at, renderer)
+        click.echo(picture_file)
+        return
+    if gui:
+        show_window(world)
+        return
     start = world.starts[0]
+    contents: dict[str, list[str]] = {}
+    for thing in world.things:
+        contents.setdefault(thing.kind, []).append(thing.name)
+    contents |= {"road": [road.name for road in world.roads]} if world.roads else {}
     if as_json:
         facts = {
             "world": world.name,
@@ -196,7 +244,7 @@ def worlds(name: str | None, as_json: bool) -> None:
             "origin": asdict(world.origin) if world.origin else None,
             "battery": world.battery,
             "start": list(start.at),
-            "boxes": [box.name for box in world.boxes],
+            "things": contents,
             "places": {place: list(point) for place, point in world.places.items()},
         }
         click.echo(json.dumps(facts))
@@ -206,13 +254,20 @@ def worlds(name: str | None, as_json: bool) -> None:
         origin = world.origin
         click.echo(f"  origin   {origin.lat:.5f}, {origin.lon:.5f}, {origin.alt:g} m")
     click.echo(f"  start    {start.at.x:g}, {start.at.y:g}; battery {world.battery:.0%}")
-    if world.boxes:
-        click.echo(f"  boxes    {', '.join(box.name for box in world.boxes)}")
+    if contents:
+        click.echo("  contents:")
+        _table([(f"    {kind}", _some(names)) for kind, names in contents.items()])
     if world.places:
         click.echo("  places:")
         _table(
             [(f"    {place}", f"{p.x:g}, {p.y:g}, {p.z:g}") for place, p in world.places.items()]
         )
+
+
+def _some(names: list[str]) -> str:
+    """A few names, and how many more there are."""
+    shown = ", ".join(names[:8])
+    return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown
 
 
 @click.command()

@@ -19,6 +19,7 @@ from fsm.machine import Record
 from hal.vehicle import Observation
 from vencejo.errors import UserError, Where
 from vencejo.geometry import roll_pitch_of
+from worlds import World
 
 FORMAT = "vencejo.events"
 FORMAT_VERSION = 1
@@ -82,6 +83,12 @@ class Recorder:
             copy = self.folder / (path.relative_to(base) if inside else path.name)
             copy.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, copy)
+
+    def keep_world(self, world: World) -> None:
+        """Copy a world and the files it names; a generated one is written down."""
+        self.keep(world.files, world.source.parent)
+        if not world.files:
+            (self.folder / f"{world.name}.yaml").write_text(world.text, "utf-8")
 
     def header(self, facts: Mapping[str, Any]) -> None:
         """The first line: what makes this run what it is."""

@@ -120,7 +120,7 @@ def _fly(plan: Plan, speed: float | None, runs_dir: Path, as_json: bool) -> dict
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         made.append(Recorder(new_folder(runs_dir, stamp, plan.prepared.graph.name)))
         made[0].keep(plan.prepared.files, plan.prepared.found.path.parent)
-        made[0].keep([plan.prepared.world.source], plan.prepared.world.source.parent)
+        made[0].keep_world(plan.prepared.world)
         return made[0]
 
     try:

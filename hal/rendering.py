@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, nearest
@@ -25,6 +25,7 @@ RENDERERS = {
     "egl": "hal.sim.bullet_view:EglView",
 }
 """By name, the modules that have them: none is imported before a picture is wanted."""
+_WINDOW = "hal.sim.bullet_view:show"
 
 
 class Renderer(Protocol):
@@ -62,6 +63,15 @@ def open_renderer(
     ``shadows``: what stands on the ground darkens it. Raises UserError for a name that is none,
     a texture that cannot be read, or a renderer that does not run here.
     """
-    module, _, attribute = RENDERERS[check_renderer(name)].partition(":")
-    opened: Renderer = getattr(import_module(module), attribute)(world, vehicles, shadows)
+    opened: Renderer = _named(RENDERERS[check_renderer(name)])(world, vehicles, shadows)
     return opened
+
+
+def show_window(world: World) -> None:
+    """Show a world in a window, until that is closed. Raises UserError without a display."""
+    _named(_WINDOW)(world)
+
+
+def _named(place: str) -> Any:
+    module, _, attribute = place.partition(":")
+    return getattr(import_module(module), attribute)

@@ -52,6 +52,9 @@ class Observation(NamedTuple):
     """What keeps it from flying, in plain words; empty when all is well."""
     link_age: float = 0.0
     """Seconds since the vehicle was last heard."""
+    touched: tuple[str, ...] = ()
+    """Names of the things and vehicles it has begun to touch in this period, beside what carries
+    it; a vehicle that cannot feel says nothing."""
 
 
 class Velocity(NamedTuple):

@@ -2,19 +2,22 @@
 
 from worlds.catalog import find_world, world_names
 from worlds.loader import load_world
-from worlds.model import Beacon, Box, Ground, Light, Origin, Start, World
-from worlds.things import Color
+from worlds.model import Ground, Light, Origin, Road, Start, World
+from worlds.motion import pose_at, velocity_at
+from worlds.things import Color, Thing
 
 __all__ = [
-    "Beacon",
-    "Box",
     "Color",
     "Ground",
     "Light",
     "Origin",
+    "Road",
     "Start",
+    "Thing",
     "World",
     "find_world",
     "load_world",
+    "pose_at",
+    "velocity_at",
     "world_names",
 ]

@@ -1,11 +1,13 @@
-"""Worlds by name or path."""
+"""Worlds by name, number or path."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from vencejo.errors import UserError, Where, nearest
-from worlds.loader import load_world
+from worlds.generators import FAMILIES, generate
+from worlds.loader import load_world, read_world
 from worlds.model import World
 
 _FOLDER = Path(__file__).parent / "files"
@@ -17,7 +19,8 @@ def world_names() -> list[str]:
 
 
 def find_world(word: str, where: Where | None = None) -> World:
-    """The shipped world of that name, else the world in the file of that path.
+    """The shipped world of that name, the generated one (``roads:17``), or else the world in the
+    file of that path.
 
     ``where`` is the place that names the world. Raises UserError (``unknown-world``, and what
     :func:`worlds.loader.load_world` raises).
@@ -27,9 +30,20 @@ def find_world(word: str, where: Where | None = None) -> World:
         return load_world(_FOLDER / f"{word}.yaml")
     if word.endswith((".yaml", ".yml")) or "/" in word:
         return load_world(Path(word))
+    family, colon, number = word.partition(":")
+    if family in FAMILIES:
+        if not re.fullmatch(r"[0-9]{1,9}", number):
+            raise UserError(
+                "unknown-world",
+                f"'{word}' does not say which of the generated worlds",
+                where,
+                f"give its number: {family}:17",
+            )
+        return read_world(generate(family, int(number)), f"{family}:{int(number)}")
+    families = [f"{name}:{number}" for name in FAMILIES] if colon else [*FAMILIES]
     raise UserError(
         "unknown-world",
         f"no world is called '{word}'",
         where,
-        nearest(word, names) or "a file is named by its path: worlds/mine.yaml",
+        nearest(word, [*names, *families], "a file is named by its path: worlds/mine.yaml"),
     )

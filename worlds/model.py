@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import cos, sin
 from pathlib import Path
 
 from vencejo.geometry import Point
 from worlds.things import Color, Stripe, Terrain, Thing
-
-START_CLEARANCE = 0.4
-"""Free room that a vehicle needs beside its start, metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,45 +39,13 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """A solid cuboid that nothing moves."""
+class Road:
+    """The line of a road; what is to be seen of it are stripes of the ground."""
 
     name: str
-    at: Point
-    """The middle of its lower face."""
-    size: Point
-    """Along its own x, y and z, metres."""
-    heading: float
-    """Counter-clockwise from east, radians."""
-    color: Color
-
-    @property
-    def top(self) -> float:
-        """World height of its upper face, metres."""
-        return self.at.z + self.size.z
-
-    def contains(self, place: Point, margin: float = 0.0) -> bool:
-        """Whether a place is inside, or less than ``margin`` metres beside or below it.
-
-        A place on or above the upper face is not inside.
-        """
-        c, s = cos(self.heading), sin(self.heading)
-        east, north = place.x - self.at.x, place.y - self.at.y
-        along, across = east * c + north * s, north * c - east * s
-        return (
-            abs(along) < self.size.x / 2 + margin
-            and abs(across) < self.size.y / 2 + margin
-            and self.at.z - margin < place.z < self.top
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Beacon:
-    """A coloured mark in the air: seen in pictures, flown through."""
-
-    name: str
-    at: Point
-    color: Color
+    points: tuple[tuple[float, float], ...]
+    """Its middle, x and y in metres; smooth curves are sampled."""
+    width: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,18 +81,17 @@ class World:
     """At least one."""
     battery: float
     """Charge of every vehicle when the run begins, 0 to 1."""
-    boxes: tuple[Box, ...]
-    beacons: tuple[Beacon, ...]
     places: Mapping[str, Point] = field(hash=False)
     """Named places, the beacons among them."""
     source: Path
-    """The file it was read from."""
+    """The file it was read from; of a generated world, its word: ``roads:17``."""
     sha256: str
-    """Of that file's bytes, hexadecimal."""
+    """Of that file and of those it names, hexadecimal; of a generated world, of its text."""
     things: tuple[Thing, ...] = ()
-    """Everything to be seen and hit, the boxes and beacons among them."""
+    """Everything to be seen and hit, in the order of the kinds."""
+    roads: tuple[Road, ...] = ()
+    text: str = ""
+    """The world file, as read."""
+    files: tuple[Path, ...] = ()
+    """The file itself and the pictures, meshes and models it names; a generated world has none."""
     light: Light = field(default_factory=Light)
-
-    def box_near(self, start: Point) -> Box | None:
-        """A box that leaves no room for a vehicle to start at a place."""
-        return next((box for box in self.boxes if box.contains(start, START_CLEARANCE)), None)

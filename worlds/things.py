@@ -111,10 +111,11 @@ class Part:
     """On every face of a cuboid, on a plate's one; other shapes have none."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Motion:
     """A path that a thing follows at a constant speed, facing where it goes.
 
+    Two are the same only if they are one, so that looking one up is quick however long it is.
     Points are of the thing's origin. ``loop`` closes the path, otherwise the thing turns back at
     both ends.
     """

@@ -246,7 +246,11 @@ class Raster:
         """Brightness of faces; what lies flat is as bright as its colour says."""
         ambient = self._light.ambient
         scene = self._scene
-        lit = ambient + (1 - ambient) * np.maximum(scene.normals[faces] @ self._sun, 0.0)
+        towards = scene.normals[faces] @ self._sun
+        # A ball is one disc: its colour is that of the middle between its bright and dark sides.
+        ball = scene.sphere[scene.solid_of_face[faces]] > 0
+        towards[ball] = (1 + towards[ball]) / 2
+        lit = ambient + (1 - ambient) * np.maximum(towards, 0.0)
         flat = ambient + (1 - ambient) * max(float(self._sun[2]), 0.0)
         return np.asarray(np.minimum(lit / flat, 1.0), np.float64)
 

@@ -9,18 +9,24 @@ from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
-from math import cos, sin
+from math import dist, inf
 from typing import Any
 
-from hal.sim.physics import GRAVITY, STEP, State, Triple
+from hal.sim.movers import Mover
+from hal.sim.physics import GRAVITY, STEP, State, Touches, Triple
+from hal.sim.register import Register, Solid
+from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
-from worlds.model import Box
+from worlds.things import UPRIGHT, Cuboid, Mesh, Terrain, Thing
 
 _RAY, _FIXED, _FREE = 1, 2, 4
 """Groups that meet or not; Bullet's rays are of the group 1."""
-_BOXES_PER_SHAPE = 16
-"""createCollisionShapeArray silently drops every shape after the sixteenth."""
+_GAP = 0.005
+"""Bodies this near touch, metres: Bullet tells of contacts a little before."""
+_BELOW = 0.5
+"""What pushes up more than this carries: the sine of the contact's slope."""
+_ORIGIN = Point(0.0, 0.0, 0.0)
 
 
 def load_pybullet() -> Any:
@@ -71,40 +77,54 @@ class Bullet:
         p.setGravity(0, 0, -GRAVITY, self._client)
         # Contacts come in an order of their own; without this it may differ from run to run.
         p.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=self._client)
+        self._register = Register(p, self._client)
+        self._steps = 0
+        self._movers: list[Mover] = []
         self._fix(p.createCollisionShape(p.GEOM_PLANE, physicsClientId=self._client))
 
     @property
     def name(self) -> str:
         return f"pybullet {version('pybullet')}"
 
-    def _fix(self, shape: int) -> None:
-        p = self._p
-        # As a plain rigid body (maximal coordinates) a static body costs next to nothing.
-        body = p.createMultiBody(0, shape, useMaximalCoordinates=1, physicsClientId=self._client)
-        p.setCollisionFilterGroupMask(body, -1, _FIXED, _FREE | _RAY, physicsClientId=self._client)
-        p.changeDynamics(body, -1, lateralFriction=0.8, physicsClientId=self._client)
+    def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
+        p, client = self._p, self._client
+        if terrain is not None:
+            self._fix(*hills(p, client, terrain))
+        pieces = [piece for each in things if each.motion is None for piece in pieces_of(each)]
+        # One body per sixteen shapes: each static body by itself would cost time at every step.
+        for chunk in chunks([piece for piece in pieces if not isinstance(piece.shape, Mesh)]):
+            self._fix(compound(p, client, chunk), pieces=chunk)
+        for piece in pieces:
+            if isinstance(piece.shape, Mesh):
+                self._fix(mesh(p, client, piece), pieces=[piece])
+        for each in things:
+            if each.motion is not None:
+                for chunk in chunks(pieces_of(each)):
+                    mover = Mover(p, client, each, chunk)
+                    self._settle(mover.body, _FIXED, _FREE | _RAY, Solid(chunk, moves=True))
+                    self._movers.append(mover)
 
-    def add_boxes(self, boxes: Sequence[Box]) -> None:
-        # One body per sixteen boxes: each static body by itself would cost time at every step.
-        p = self._p
-        for first in range(0, len(boxes), _BOXES_PER_SHAPE):
-            chunk = boxes[first : first + _BOXES_PER_SHAPE]
-            self._fix(
-                p.createCollisionShapeArray(
-                    shapeTypes=[p.GEOM_BOX] * len(chunk),
-                    halfExtents=[[side / 2 for side in box.size] for box in chunk],
-                    collisionFramePositions=[
-                        [box.at.x, box.at.y, box.at.z + box.size.z / 2] for box in chunk
-                    ],
-                    collisionFrameOrientations=[
-                        [0, 0, sin(box.heading / 2), cos(box.heading / 2)] for box in chunk
-                    ],
-                    physicsClientId=self._client,
-                )
-            )
+    def _fix(self, shape: int, at: Point = _ORIGIN, pieces: Sequence[Piece] = ()) -> None:
+        """A static body; as a plain rigid body (maximal coordinates) it costs next to nothing."""
+        body = self._p.createMultiBody(
+            0, shape, -1, at, useMaximalCoordinates=1, physicsClientId=self._client
+        )
+        self._settle(body, _FIXED, _FREE | _RAY, Solid(pieces))
+
+    def _settle(self, body: int, group: int, mask: int, solid: Solid) -> None:
+        p, client = self._p, self._client
+        p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=client)
+        p.changeDynamics(body, -1, lateralFriction=0.8, restitution=0, physicsClientId=client)
+        self._register.add(body, solid)
 
     def add_body(
-        self, mass: float, inertia: Triple, size: Triple, position: Triple, attitude: Quaternion
+        self,
+        mass: float,
+        inertia: Triple,
+        size: Triple,
+        position: Triple,
+        attitude: Quaternion,
+        name: str = "",
     ) -> BulletBody:
         p = self._p
         shape = p.createCollisionShape(
@@ -113,27 +133,40 @@ class Bullet:
         body: int = p.createMultiBody(
             mass, shape, -1, position, attitude, physicsClientId=self._client
         )
-        p.setCollisionFilterGroupMask(body, -1, _FREE, _FIXED | _FREE, physicsClientId=self._client)
+        piece = Piece(name, Cuboid(Point(*size)), _ORIGIN, UPRIGHT)
+        self._settle(body, _FREE, _FIXED | _FREE, Solid([piece], moves=True))
         p.changeDynamics(
             body,
             -1,
             localInertiaDiagonal=inertia,
             linearDamping=0,  # Bullet's own 0.04 takes 4 % of the speed each second
             angularDamping=0,
-            lateralFriction=0.8,
-            restitution=0,
             physicsClientId=self._client,
         )
-        return BulletBody(p, self._client, body)
+        return BulletBody(p, self._client, body, self._register)
 
     def step(self) -> None:
+        for mover in self._movers:
+            mover.drive(self._steps)
+        self._steps += 1
         self._p.stepSimulation(self._client)
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
-        hit = self._p.rayTestBatch(
-            [start], [end], collisionFilterMask=_FIXED, physicsClientId=self._client
-        )[0]
+        hit = self._cast([start], [end])[0]
         return Point(*hit[3]) if hit[0] >= 0 else None
+
+    def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> BulletEchoes:
+        hits = self._cast(starts, ends)
+        distances = [
+            hit[2] * dist(start, end) if hit[0] >= 0 else inf
+            for hit, start, end in zip(hits, starts, ends, strict=True)
+        ]
+        return BulletEchoes(distances, hits, self._register)
+
+    def _cast(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> Any:
+        return self._p.rayTestBatch(
+            starts, ends, collisionFilterMask=_FIXED, physicsClientId=self._client
+        )
 
     def close(self) -> None:
         if self._client >= 0:
@@ -141,10 +174,22 @@ class Bullet:
             self._client = -1
 
 
+class BulletEchoes:
+    """What rays met (see :class:`hal.sim.physics.Echoes`); names are found when asked for."""
+
+    def __init__(self, distances: Sequence[float], hits: Any, register: Register) -> None:
+        self.distances = distances
+        self._hits, self._register = hits, register
+
+    def name(self, ray: int) -> str | None:
+        body, _, _, place, _ = self._hits[ray]
+        return self._register.name_at(body, place) if body >= 0 else None
+
+
 class BulletBody:
     """A body of that world (see :class:`hal.sim.physics.Body`)."""
 
-    def __init__(self, p: Any, client: int, body: int) -> None:
+    def __init__(self, p: Any, client: int, body: int, register: Register) -> None:
         # Bound once, since these run at every step.
         self._position = partial(p.getBasePositionAndOrientation, body, client)
         self._velocity = partial(p.getBaseVelocity, body, client)
@@ -153,6 +198,7 @@ class BulletBody:
         self._contacts = partial(p.getContactPoints, body, physicsClientId=client)
         self._own_axes = p.LINK_FRAME
         self._client = client
+        self._register = register
 
     def state(self) -> State:
         position, attitude = self._position()
@@ -164,6 +210,19 @@ class BulletBody:
         self._force((0.0, 0.0, thrust), (0.0, 0.0, 0.0), axes, client)
         self._torque((x, y, z), axes, client)
 
+    def touches(self) -> Touches:
+        carrier: Triple | None = None
+        beside = []
+        # Fields 2 and 6: the other body, and where on it; 7: the contact's normal, from the other
+        # towards this one; 8: the gap.
+        for contact in self._contacts():
+            if contact[8] >= _GAP:
+                continue
+            if contact[7][2] > _BELOW:
+                carrier = carrier or self._register.velocity_at(contact[2], contact[6])
+            else:
+                beside.append(self._register.name_at(contact[2], contact[6]))
+        return Touches(carrier, tuple(name for name in beside if name))
+
     def supported(self) -> bool:
-        # Field 7: the contact's normal, from the other body towards this one; field 8: the gap.
-        return any(contact[7][2] > 0.5 and contact[8] < 0.005 for contact in self._contacts())
+        return any(contact[7][2] > _BELOW and contact[8] < _GAP for contact in self._contacts())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib.util import find_spec
@@ -78,12 +80,12 @@ class BulletView:
         return self.look(pose, intrinsics, time, vehicles)[0]
 
     def look(
-        self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
+        self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
     ) -> tuple[Pixels, NDArray[np.int32]]:
         """A picture, and which body each pixel shows (−1: the sky)."""
         p, light = self._p, self._world.light
         for thing in self._moving:
-            self._place(thing.name, pose_at(thing, time))
+            self._place(thing.name, pose_at(thing, moment))
         for name in self._vehicles:
             self._place(f" {name}", vehicles.get(name, _AWAY))
         view, projection = matrices(pose, intrinsics, self.shift)
@@ -245,6 +247,38 @@ class EglView(BulletView):
 
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
+
+
+class _Window(BulletView):
+    """pybullet's own window."""
+
+    def _connect(self) -> int:
+        p = self._p
+        client = p.connect(p.GUI) if "DISPLAY" in os.environ else -1
+        if client < 0:
+            raise UserError(
+                "no-display",
+                "there is no display to open a window on",
+                hint="write a picture instead: drone-cli worlds NAME --render world.png",
+            )
+        p.configureDebugVisualizer(p.COV_ENABLE_GUI, 0, physicsClientId=client)
+        return int(client)
+
+    def show(self) -> None:
+        """Let the moving things move, until the window is closed."""
+        p, began = self._p, time.monotonic()
+        with suppress(p.error):
+            while p.isConnected(self._client):
+                for thing in self._moving:
+                    self._place(thing.name, pose_at(thing, time.monotonic() - began))
+                time.sleep(1 / 60)
+        self._client = -1
+        self._files.cleanup()
+
+
+def show(world: World) -> None:
+    """Show a world in a window, until that is closed. Raises UserError without a display."""
+    _Window(world, {}).show()
 
 
 _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

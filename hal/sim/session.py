@@ -11,12 +11,14 @@ from hal.sim.looks import quadrotor
 from hal.sim.noise import CommandNoise
 from hal.sim.physics import Physics
 from hal.sim.settings import read_settings
+from hal.sim.skyline import Skyline
 from hal.sim.vehicle import STEPS, SimVehicle
 from hal.vehicle import Options
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
 from worlds.model import Start, World
+from worlds.solids import thing_near
 
 _PERIODS_PER_SECOND = 40
 _ABREAST = 2.0
@@ -31,11 +33,9 @@ class SimSession:
         settings = read_settings(options.settings)
         starts = start_poses(world, options.vehicles)
         airframe = Airframe()
-        physics.add_boxes(world.boxes)
-        # Alone in the world, a vehicle above all boxes touches nothing; that saves asking.
-        highest = max((box.top for box in world.boxes), default=0.0) + airframe.size[2]
-        if len(options.vehicles) > 1:
-            highest = float("inf")
+        physics.add_things(world.things, world.ground.terrain)
+        skyline = Skyline(world.things, world.ground.terrain)
+        alone = len(options.vehicles) == 1
         self._physics: Physics | None = physics
         self._engine = physics.name
         self._places = world.places
@@ -50,7 +50,7 @@ class SimSession:
                 start=start,
                 charge=world.battery,
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
-                highest=highest,
+                skyline=skyline if alone else None,
             )
             for name, start in zip(options.vehicles, starts, strict=True)
         ]
@@ -121,11 +121,11 @@ def start_poses(world: World, names: tuple[str, ...]) -> list[Start]:
         last = starts[-1]
         starts.append(Start(last.at.plus((_ABREAST, 0.0, 0.0)), last.heading))
     for name, start in zip(names, starts, strict=True):
-        box = world.box_near(start.at)
-        if box is not None:
+        thing = thing_near(world.things, start.at)
+        if thing is not None:
             raise UserError(
-                "start-in-box",
-                f"'{name}' would start in the box '{box.name}' of the world '{world.name}'",
+                "start-in-thing",
+                f"'{name}' would start in the {thing.kind} '{thing.name}' of '{world.name}'",
                 hint=f"give the world {len(names)} starts",
             )
     return starts

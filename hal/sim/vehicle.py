@@ -7,11 +7,13 @@ from math import isfinite
 
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
+from hal.sim.bumps import Bumps
 from hal.sim.cameras import Track
 from hal.sim.control import Controller
 from hal.sim.limits import set_limits
 from hal.sim.noise import CommandNoise
-from hal.sim.physics import Physics, State, in_body
+from hal.sim.physics import Physics, State, Triple, in_body
+from hal.sim.skyline import Skyline
 from hal.vehicle import (
     PERIOD,
     Camera,
@@ -26,7 +28,7 @@ from hal.vehicle import (
     Velocity,
     VisionPose,
 )
-from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
+from vencejo.geometry import Point, distance, horizontal_distance, wrap, yaw_of, yaw_quaternion
 from worlds.model import Start
 
 STEPS = 6
@@ -65,8 +67,9 @@ class SimVehicle:
         start: Start,
         charge: float,
         noise: CommandNoise,
-        highest: float,
+        skyline: Skyline | None,
     ) -> None:
+        """``skyline`` tells where there is something to touch; without it that is everywhere."""
         self._name = name
         self._physics = physics
         self._airframe = airframe
@@ -76,6 +79,7 @@ class SimVehicle:
             airframe.size,
             (start.at.x, start.at.y, start.at.z + airframe.height),
             yaw_quaternion(start.heading),
+            name,
         )
         self._state: State = self._body.state()
         self.track = Track()
@@ -86,8 +90,12 @@ class SimVehicle:
         self._controller = Controller(airframe)
         self._battery = Battery(airframe, charge)
         self._noise = noise
-        self._highest = highest
-        """Above this height there is nothing to touch."""
+        self._skyline = skyline
+        self._near = True
+        """Whether there is something to touch in this mission period."""
+        self._carrier: Triple | None = None
+        """The velocity of what is below it and touches it."""
+        self._bumps = Bumps()
         self._home = start.at
         self._time = 0.0
         self._mode = "landed"
@@ -137,6 +145,7 @@ class SimVehicle:
                 self._mode,
                 self._home,
                 self._health(),
+                touched=self._bumps.new,
             )
         return self._observation
 
@@ -315,6 +324,9 @@ class SimVehicle:
     def plan(self) -> None:
         """Begin a mission period."""
         self._controller.plan(self._state)
+        skyline = self._skyline
+        self._near = skyline is None or skyline.reached_by(*self._state[0])
+        self._carrier = None
 
     def drive(self) -> None:
         """Push for the next physics step."""
@@ -327,6 +339,9 @@ class SimVehicle:
         """See where the step has led."""
         self._state = self._body.state()
         self._keep(self._state)
+        if self._near and (self._armed or self._mode != "landed"):
+            self._carrier, beside = self._body.touches()
+            self._bumps.feel(beside)
 
     def update(self, time: float) -> None:
         """End a mission period: what was reached, and what to do in the next."""
@@ -336,11 +351,13 @@ class SimVehicle:
         self._controller.acceleration = (0.0, 0.0, 0.0)
         self._battery.drain(self._thrust / STEPS, PERIOD)
         self._thrust = 0.0
+        self._bumps.end_period()
         if self._mode == "landed" and not self._armed:
             return
-        low = self._state[0][2] - self._airframe.height < self._highest
-        self._supported = low and self._body.supported()
-        resting = self._supported and Point(*self._state[2]).norm() < _REST
+        carrier = self._carrier
+        self._supported = carrier is not None
+        # On something that moves, to be at rest is to move with it.
+        resting = carrier is not None and distance(self._state[2], carrier) < _REST
         self._still = self._still + 1 if resting else 0
         noise = self._noise.next()
         self._controller.noise = (0.0, 0.0, 0.0) if self._supported else noise

@@ -46,7 +46,7 @@ def world_of(
     """A world of things; without a light every face shows its colour as it is."""
     return World(
         name="test", description="", origin=None, ground=ground, starts=(Start(start, 0.0),), battery=1.0,
-        boxes=(), beacons=(), places={}, source=Path("test"), sha256="", things=things,
+        places={}, source=Path("test"), sha256="", things=things,
         light=light or Light(ambient=1.0),
     )  # fmt: skip
 

@@ -19,7 +19,8 @@ from hal.vehicle import Options, Position, Velocity
 from tests.hal.flying import finish, hovering, only, take_off, wait
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point, Quaternion, distance, yaw_quaternion
-from worlds.model import Box
+from worlds import figures
+from worlds.things import Thing
 
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 ROOT = Path(__file__).parents[2]
@@ -32,8 +33,13 @@ def physics() -> Iterator[Bullet]:
     engine.close()
 
 
-def cube(name: str, x: float, y: float, z: float = 0.0, heading: float = 0.0) -> Box:
-    return Box(name, Point(x, y, z), Point(1.0, 1.0, 1.0), heading, (0, 0, 0))
+def box(name: str, at: Point, size: Point, heading: float = 0.0) -> Thing:
+    parts = figures.box(size, (0, 0, 0))
+    return Thing(name, "box", at, yaw_quaternion(heading), parts)
+
+
+def cube(name: str, x: float, y: float, z: float = 0.0) -> Thing:
+    return box(name, Point(x, y, z), Point(1.0, 1.0, 1.0))
 
 
 def body(physics: Bullet, at: Triple, attitude: Quaternion = LEVEL) -> Body:
@@ -67,8 +73,8 @@ def test_a_push_is_along_the_bodys_own_axes(physics: Bullet) -> None:
 
 def test_every_box_of_many_is_solid(physics: Bullet) -> None:
     boxes = [cube(f"b{k}", 3.0 * k, 0) for k in range(40)]
-    physics.add_boxes(boxes)
-    things = [body(physics, (box.at.x, 0, 1.4)) for box in boxes]
+    physics.add_things(boxes)
+    things = [body(physics, (each.at.x, 0, 1.4)) for each in boxes]
     for _ in range(240):
         physics.step()
     for thing in things:
@@ -77,13 +83,13 @@ def test_every_box_of_many_is_solid(physics: Bullet) -> None:
 
 
 def test_boxes_stand_where_their_headings_turn_them(physics: Bullet) -> None:
-    physics.add_boxes([Box("b", Point(2, 0, 1), Point(4, 1, 2), pi / 2, (0, 0, 0))])
+    physics.add_things([box("b", Point(2, 0, 1), Point(4, 1, 2), pi / 2)])
     down = [physics.ray((x, y, 9), (x, y, -1)) for x, y in ((2, 1.9), (3.9, 0), (2, -1.9))]
     assert [round(hit.z, 3) if hit else None for hit in down] == [3.0, 0.0, 3.0]
 
 
 def test_a_ray_meets_the_ground_and_boxes_but_no_body(physics: Bullet) -> None:
-    physics.add_boxes([cube("b", 5, 0)])
+    physics.add_things([cube("b", 5, 0)])
     body(physics, (0, 0, 3.0))
     physics.step()
     assert physics.ray((0, 0, 5), (0, 0, -5)) == pytest.approx((0, 0, 0), abs=1e-6)
@@ -93,7 +99,7 @@ def test_a_ray_meets_the_ground_and_boxes_but_no_body(physics: Bullet) -> None:
 
 
 def test_a_wall_beside_it_supports_nothing(physics: Bullet) -> None:
-    physics.add_boxes([cube("b", 0.6999, 0, 5)])
+    physics.add_things([cube("b", 0.6999, 0, 5)])
     thing = body(physics, (0, 0, 5.5))
     assert not thing.supported()
     for _ in range(5):
@@ -184,7 +190,7 @@ def test_no_vehicle_starts_in_a_box(tmp_path: Path) -> None:
     open_session(Options(("a", "b"), world=str(file))).__exit__()
     with pytest.raises(UserError, match="'c' would start in the box 'hut'") as caught:
         open_session(Options(("a", "b", "c"), world=str(file)))
-    assert caught.value.code == "start-in-box"
+    assert caught.value.code == "start-in-thing"
 
 
 def test_the_world_gives_start_battery_and_places(tmp_path: Path) -> None:

@@ -1,0 +1,68 @@
+"""How high what can be touched reaches, place by place: above that, nobody asks for contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import pairwise, product
+from math import ceil, dist, hypot
+
+from vencejo.geometry import Point
+from worlds.motion import track_of
+from worlds.solids import bounds_of, part_pose, solid_parts
+from worlds.things import Terrain, Thing
+
+_CELL = 2.0
+"""Side of a cell, metres."""
+_ROOM = 0.6
+"""How far a vehicle reaches and flies in one mission period, metres."""
+_LARGE = 200.0
+"""What is longer than this, metres, counts everywhere."""
+
+
+class Skyline:
+    """Heights over a grid of square cells."""
+
+    def __init__(self, things: Iterable[Thing], terrain: Terrain | None) -> None:
+        self._lowest = _ROOM + (max(map(max, terrain.heights)) if terrain else 0.0)
+        self._tops: dict[tuple[int, int], float] = {}
+        for thing in things:
+            for low_x, low_y, high_x, high_y, top in _reaches(thing):
+                self._raise(low_x, low_y, high_x, high_y, top)
+
+    def _raise(self, low_x: float, low_y: float, high_x: float, high_y: float, top: float) -> None:
+        if max(high_x - low_x, high_y - low_y) > _LARGE:
+            self._lowest = max(self._lowest, top)
+            return
+        columns = range(int(low_x // _CELL), int(high_x // _CELL) + 1)
+        rows = range(int(low_y // _CELL), int(high_y // _CELL) + 1)
+        for cell in product(columns, rows):
+            self._tops[cell] = max(top, self._tops.get(cell, top))
+
+    def reached_by(self, x: float, y: float, z: float) -> bool:
+        """Whether a vehicle there can touch something in this mission period."""
+        return z < self._lowest or z < self._tops.get((int(x // _CELL), int(y // _CELL)), z)
+
+
+def _reaches(thing: Thing) -> Iterator[tuple[float, float, float, float, float]]:
+    """Ground rectangles and heights that the parts of a thing reach, with room about them."""
+    origin = Point(0.0, 0.0, 0.0)
+    for part in solid_parts(thing):
+        if thing.motion is None:
+            pose = part_pose(part, thing.at, thing.attitude)
+            low, high = bounds_of(part.shape, *pose)
+            yield low.x - _ROOM, low.y - _ROOM, high.x + _ROOM, high.y + _ROOM, high.z + _ROOM
+            continue
+        low, high = bounds_of(part.shape, *part_pose(part, origin, thing.attitude))
+        reach = _ROOM + max(hypot(x, y) for x, y in product((low.x, high.x), (low.y, high.y)))
+        for x, y, z in _along(track_of(thing.motion).corners):
+            yield x - reach, y - reach, x + reach, y + reach, z + high.z + _ROOM
+
+
+def _along(corners: tuple[Point, ...]) -> Iterator[Point]:
+    """Places along a path, less than half a cell apart."""
+    for a, b in pairwise(corners):
+        count = ceil(2 * dist(a, b) / _CELL)
+        step = b.minus(a)
+        for k in range(count + 1):
+            share = k / count
+            yield a.plus((step.x * share, step.y * share, step.z * share))

@@ -1,0 +1,339 @@
+"""Things in the engine: every one is solid, known by its name, and carries what stands on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, dist, inf, pi, sin
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from hal.sim import open_session
+from hal.sim.bullet import Bullet
+from hal.sim.bumps import Bumps
+from hal.sim.physics import GRAVITY, STEP, Body, Touches, Triple
+from hal.sim.skyline import Skyline
+from hal.vehicle import Options, Position, Velocity
+from tests.hal.flying import finish, hovering, only, take_off, wait
+from vencejo.geometry import Point, distance, yaw_of
+from worlds import figures
+from worlds.loader import read_world
+from worlds.motion import pose_at
+from worlds.solids import bounds_of
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Motion, Part, Shape, Sphere, Terrain, Thing
+
+GRAY = (128, 128, 128)
+KEEP_AWAY = "world: w\nstart: {at: [90, 90]}\n"
+
+
+@pytest.fixture
+def physics() -> Iterator[Bullet]:
+    engine = Bullet()
+    yield engine
+    engine.close()
+
+
+def things(text: str) -> tuple[Thing, ...]:
+    return read_world(KEEP_AWAY + text, "w.yaml").things
+
+
+def box(name: str, at: Point, height: float = 1.0) -> Thing:
+    return Thing(name, "box", at, UPRIGHT, figures.box(Point(1, 1, height), GRAY))
+
+
+def drone(physics: Bullet, at: Triple, name: str = "") -> Body:
+    return physics.add_body(0.436, (2e-3, 3e-3, 5e-3), (0.5, 0.5, 0.12), at, UPRIGHT, name)
+
+
+def run(physics: Bullet, seconds: float) -> None:
+    for _ in range(round(seconds / STEP)):
+        physics.step()
+
+
+# What is hit.
+
+
+@pytest.mark.parametrize("count", [1, 16, 17, 33, 200])
+def test_every_box_is_hit_and_known(physics: Bullet, count: int) -> None:
+    boxes = [box(f"b{k}", Point(3.0 * (k % 20), 3.0 * (k // 20), 0)) for k in range(count)]
+    physics.add_things(boxes)
+    starts = [(each.at.x, each.at.y, 5.0) for each in boxes]
+    echoes = physics.rays(starts, [(x, y, -1.0) for x, y, _ in starts])
+    assert echoes.distances == pytest.approx([4.0] * count, abs=1e-6)
+    assert [echoes.name(ray) for ray in range(count)] == [each.name for each in boxes]
+    last = boxes[-1].at
+    falling = drone(physics, (last.x, last.y, 1.4))
+    run(physics, 1)
+    assert falling.state()[0][2] == pytest.approx(1.06, abs=0.002)
+
+
+def test_a_touch_has_the_name_of_the_thing(physics: Bullet) -> None:
+    boxes = [box(f"b{k}", Point(3.0 * k, 0, 0), 3.0) for k in range(40)]
+    physics.add_things(boxes)
+    body = drone(physics, (3.0 * 16 - 0.749, 0, 1))
+    physics.step()
+    assert body.touches() == Touches(None, ("b16",) * 4)
+    assert not body.supported()
+
+
+def test_the_ground_has_no_name(physics: Bullet) -> None:
+    body = drone(physics, (0, 0, 0.06))
+    physics.step()
+    assert body.touches() == Touches((0, 0, 0), ())
+    echoes = physics.rays([(5, 5, 2), (5, 5, 2)], [(5, 5, -1), (9, 9, 2)])
+    assert list(echoes.distances) == [pytest.approx(2), inf]
+    assert (echoes.name(0), echoes.name(1)) == ("", None)
+
+
+def test_vehicles_feel_each_other_by_name(physics: Bullet) -> None:
+    one, other = drone(physics, (0, 0, 5), "cat"), drone(physics, (0.499, 0, 5), "mouse")
+    physics.step()
+    assert set(one.touches().beside) == {"mouse"}
+    assert set(other.touches().beside) == {"cat"}
+
+
+SHAPES = (Cuboid(Point(2, 1, 3)), Cylinder(0.6, 3.0), Sphere(1.2))
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_shapes_are_solid_in_any_pose(physics: Bullet, shape: Shape) -> None:
+    random = Random(3)
+    parts = []
+    for k in range(18):
+        q = [random.gauss(0, 1) for _ in range(4)]
+        norm = dist(q, (0, 0, 0, 0))
+        attitude = (q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm)
+        parts.append(Part(shape, Point(6.0 * k, 0, 5), attitude, GRAY))
+    physics.add_things(
+        [Thing(f"t{k}", "x", Point(0, 0, 0), UPRIGHT, (part,)) for k, part in enumerate(parts)]
+    )
+    for k, part in enumerate(parts):
+        low, high = bounds_of(part.shape, part.at, part.attitude)
+        # Rays down on a fine grid meet its highest point, and nothing beside its bounds.
+        grid = [
+            (low.x + (high.x - low.x) * i / 40, low.y + (high.y - low.y) * j / 40)
+            for i in range(41)
+            for j in range(41)
+        ]
+        echoes = physics.rays([(x, y, 12) for x, y in grid], [(x, y, 0.1) for x, y in grid])
+        nearest = min(range(len(grid)), key=lambda ray: echoes.distances[ray])
+        assert 12 - echoes.distances[nearest] == pytest.approx(high.z, abs=0.1)
+        assert echoes.name(nearest) == f"t{k}"
+
+
+def test_markers_and_beacons_are_no_obstacles(physics: Bullet) -> None:
+    physics.add_things(
+        things("markers: {m: {at: [0, 0, 2], id: 1, size: 1}}\nbeacons: {b: {at: [0, 0, 3]}}")
+    )
+    assert physics.rays([(0, 0, 5)], [(0, 0, 0.1)]).distances == [inf]
+
+
+def test_a_mesh_is_solid_as_it_is(physics: Bullet, tmp_path: Path) -> None:
+    # A roof: a prism whose ridge runs along y at a height of 1 m.
+    (tmp_path / "roof.obj").write_text(
+        "v -1 -2 0\nv 1 -2 0\nv 0 -2 1\nv -1 2 0\nv 1 2 0\nv 0 2 1\n"
+        "f 1 2 3\nf 6 5 4\nf 2 5 6 3\nf 4 1 3 6\nf 1 4 5 2\n"
+    )
+    (mesh,) = read_world(
+        KEEP_AWAY + "meshes: {roof: {at: [3, 0, 1], file: roof.obj, heading: 90 deg}}",
+        str(tmp_path / "w.yaml"),
+    ).things
+    physics.add_things([mesh])
+    spots = [(3, 0), (3, 0.5), (4.9, 0), (3, 1.1)]
+    echoes = physics.rays([(x, y, 5) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [5 - d for d in echoes.distances] == pytest.approx([2, 1.5, 2, 0], abs=1e-3)
+    assert [echoes.name(k) for k in range(4)] == ["roof", "roof", "roof", ""]
+
+
+def test_hills_are_ground(physics: Bullet) -> None:
+    heights = ((0.0,) * 4, (0.0, 1.0, 3.0, 0.0), (0.0, 0.0, 2.0, 0.0), (0.0,) * 4)
+    physics.add_things([], Terrain(heights, 30.0))
+    spots = [(-5, -5), (5, -5), (5, 5), (-5, 5), (0, -5), (14, 14), (20, 0)]
+    echoes = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [9 - d for d in echoes.distances] == pytest.approx([1, 3, 2, 0, 2, 0, 0], abs=1e-3)
+    assert {echoes.name(ray) for ray in range(len(spots))} == {""}
+    body = drone(physics, (5, -5, 3.3))
+    run(physics, 0.3)
+    assert body.supported()
+
+
+# What moves.
+
+SQUARE = (Point(0, 0, 1), Point(6, 0, 1), Point(6, 6, 2), Point(0, 6, 1))
+
+
+def pad(speed: float, points: tuple[Point, ...] = SQUARE, turns: bool = True) -> Thing:
+    motion = Motion(points, speed, True, turns)
+    return Thing(
+        "pad", "box", points[0], UPRIGHT, figures.box(Point(2, 2, 0.2), GRAY), True, motion
+    )
+
+
+@pytest.mark.slow
+def test_a_mover_is_on_its_path_after_ten_minutes(physics: Bullet) -> None:
+    _on_path(physics, 600)
+
+
+def test_a_mover_is_on_its_path(physics: Bullet) -> None:
+    _on_path(physics, 20)
+
+
+def _on_path(physics: Bullet, seconds: float) -> None:
+    moving = pad(1.7)
+    physics.add_things([moving])
+    drone(physics, (0, 0, 1.3))
+    run(physics, seconds)
+    (mover,) = physics._movers
+    at, attitude = physics._p.getBasePositionAndOrientation(mover.body, physics._client)
+    there, heading = pose_at(moving, seconds)
+    assert at == pytest.approx(there, abs=1e-6)
+    assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
+
+
+def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:
+    points = (Point(0, 0, 1), Point(40, 0, 1))
+    moving = pad(0.5, points, turns=False)
+    physics.add_things([moving])
+    body = drone(physics, (0, 0, 1.26))
+    run(physics, 30)
+    (x, y, z), attitude, velocity, _ = body.state()
+    there, _ = pose_at(moving, 30)
+    # It slides a little before it has the pad's speed.
+    assert (x, y, z) == pytest.approx((there.x, 0, 1.26), abs=0.03)
+    assert velocity == pytest.approx((0.5, 0, 0), abs=1e-3)
+    assert body.touches() == Touches(pytest.approx((0.5, 0, 0), abs=1e-6), ())
+    assert yaw_of(attitude) == pytest.approx(0, abs=0.01)
+
+
+def test_a_turning_pad_turns_what_stands_on_it(physics: Bullet) -> None:
+    round_way = tuple(Point(4 * cos(k * pi / 30), 4 * sin(k * pi / 30), 1) for k in range(60))
+    moving = pad(0.8, round_way)
+    physics.add_things([moving])
+    at, heading = pose_at(moving, 0)
+    body = physics.add_body(
+        0.436, (2e-3, 3e-3, 5e-3), (0.5, 0.5, 0.12), (at.x, at.y, 1.26), heading
+    )
+    run(physics, 31.4)
+    there, now = pose_at(moving, 31.4)
+    (x, y, _), attitude, _, _ = body.state()
+    assert dist((x, y), there[:2]) < 0.1
+    assert yaw_of(attitude) == pytest.approx(yaw_of(now), abs=0.1)
+
+
+def test_a_mover_is_met_by_rays_and_bodies(physics: Bullet) -> None:
+    moving = pad(1.0, (Point(0, 0, 1), Point(10, 0, 1)), turns=False)
+    physics.add_things([moving])
+    body = drone(physics, (5, 0, 1.1), "d")
+    felt = set()
+    for _ in range(round(4 / STEP)):
+        body.push(0.436 * GRAVITY, 0, 0, 0)
+        physics.step()
+        felt |= set(body.touches().beside)
+    assert felt == {"pad"}
+    assert body.state()[0][0] > 5.0, "it was pushed"
+    echoes = physics.rays([(4, 0, 5)], [(4, 0, 0)])
+    assert (echoes.distances[0], echoes.name(0)) == (pytest.approx(3.8, abs=1e-6), "pad")
+
+
+# Skyline and bumps.
+
+
+def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
+    random = Random(5)
+    text = "boxes:\n" + "".join(
+        f"  b{k}: {{at: [{random.uniform(-30, 30):.1f}, {random.uniform(-30, 30):.1f}],"
+        f" size: [{random.uniform(0.2, 9):.1f}, 1, {random.uniform(0.2, 5):.1f}],"
+        f" heading: {random.uniform(0, 3):.1f}}}\n"
+        for k in range(60)
+    )
+    solid = things(text)
+    skyline = Skyline(solid, None)
+    free = 0
+    for _ in range(800):
+        place = Point(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(0, 7))
+        if not skyline.reached_by(*place):
+            free += 1
+            for thing in solid:
+                low, high = bounds_of(thing.parts[0].shape, thing.at, thing.attitude)
+                aside = max(low.x - place.x, place.x - high.x, low.y - place.y, place.y - high.y)
+                assert aside > 0.5 or place.z > thing.at.z + thing.parts[0].at.z * 2 + 0.5
+    assert free > 200
+
+
+def test_a_skyline_follows_what_moves() -> None:
+    skyline = Skyline([pad(1.0)], None)
+    assert skyline.reached_by(6, 3, 2.4) and skyline.reached_by(0, 0, 1.5)
+    assert not skyline.reached_by(6, 3, 3.0) and not skyline.reached_by(30, 3, 1.0)
+    assert Skyline([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).reached_by(50, 0, 4.0)
+
+
+def test_a_touch_is_new_once_until_it_is_over() -> None:
+    bumps = Bumps()
+    seen = []
+    for period in range(100):
+        if period in (3, 4, 10, 60) or 20 < period < 30:
+            bumps.feel(("wall",))
+            bumps.feel(("wall", "tree") if period == 60 else ())
+        bumps.end_period()
+        seen += [(period, name) for name in bumps.new]
+    assert seen == [(3, "wall"), (60, "wall"), (60, "tree")]
+
+
+# A flight.
+
+
+def test_a_collision_is_told_once_with_its_name() -> None:
+    with hovering(Point(0.0, 9.0, 1.2), world="yard") as (session, vehicle):
+        vehicle.command(Velocity(y=1.0))
+        told = [seen.touched for seen in wait(session, 6) if seen.touched]
+        assert told == [("wall",)]
+        vehicle.command(Position(Point(0.0, 9.0, 1.2)))
+        wait(session, 3)
+        vehicle.command(Velocity(y=1.0))
+        assert [seen.touched for seen in wait(session, 6) if seen.touched] == [("wall",)]
+
+
+def test_standing_on_something_is_no_collision() -> None:
+    with hovering(Point(3.0, -4.0, 2.0), world="yard") as (session, vehicle):
+        order = vehicle.land()
+        while not order.ended:
+            session.wait()
+            assert vehicle.observe().touched == ()
+
+
+def test_vehicles_collide_by_name() -> None:
+    with open_session(Options(vehicles=("cat", "mouse"))) as session:
+        cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
+        cat.takeoff(2)
+        mouse.takeoff(2)
+        wait(session, 4)
+        cat.command(Velocity(x=0.5))
+        touched: dict[str, list[str]] = {"cat": [], "mouse": []}
+        for _ in range(160):
+            session.wait()
+            for name, vehicle in session.vehicles.items():
+                touched[name] += vehicle.observe().touched
+        assert touched["cat"][:1] == ["mouse"] and touched["mouse"][:1] == ["cat"]
+
+
+def test_a_vehicle_takes_off_from_a_moving_pad_and_lands_on_it(tmp_path: Path) -> None:
+    file = tmp_path / "pad.yaml"
+    file.write_text(
+        "world: pad\nstart: {at: [0, 0, 0.3]}\n"
+        "boxes: {pad: {size: [3, 3, 0.3], moves: {through: [[0, 0], [60, 0]], speed: 20 cm/s}}}\n"
+    )
+    with open_session(Options(world=str(file))) as session:
+        vehicle = only(session)
+        wait(session, 5)
+        assert vehicle.observe().position == pytest.approx((1, 0, 0.3), abs=0.02)
+        take_off(session, 2.0)
+        vehicle.command(Velocity(x=0.2))
+        wait(session, 2)
+        finish(session, vehicle.land(), 15)
+        landed = vehicle.observe()
+        assert not landed.armed and landed.position.z == pytest.approx(0.3, abs=0.03)
+        wait(session, 10)
+        later = vehicle.observe()
+        assert later.position.z == pytest.approx(0.3, abs=0.002)
+        assert distance(later.position, landed.position) == pytest.approx(2.0, abs=0.05)

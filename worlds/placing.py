@@ -1,0 +1,122 @@
+"""Where things are: their place, their heading or the path they follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vencejo.geometry import Point, yaw_quaternion
+from worlds import curves
+from worlds.things import Motion, Part, Thing
+from worlds.values import (
+    ANGLE_VALUE,
+    FLAG,
+    SPEED_VALUE,
+    SPOT,
+    Field,
+    Misfit,
+    Spot,
+    Value,
+    array,
+    record,
+)
+
+Stand = Callable[[Spot], Point]
+"""Gives a place its height: that of the ground, where it has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moves:
+    """A path as written."""
+
+    through: tuple[Spot, ...]
+    speed: float
+    loop: bool
+    smooth: bool
+    turns: bool
+
+    def motion(self, stand: Stand) -> Motion:
+        points = [tuple(stand(spot)) for spot in self.through]
+        if self.smooth:
+            points = curves.smooth(points, self.loop)
+            points = points[:-1] if self.loop else points
+        return Motion(tuple(Point(*p) for p in points), self.speed, self.loop, self.turns)
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """A thing as written; it gets its name and its height from the world."""
+
+    kind: str
+    parts: tuple[Part, ...]
+    solid: bool
+    spot: Spot
+    heading: float
+    moves: Moves | None
+
+    def thing(self, name: str, stand: Stand) -> Thing:
+        motion = self.moves.motion(stand) if self.moves else None
+        at = motion.points[0] if motion else stand(self.spot)
+        attitude = yaw_quaternion(self.heading)
+        return Thing(name, self.kind, at, attitude, self.parts, self.solid, motion)
+
+
+def _moves(**keys: Any) -> Moves:
+    if len(curves.without_repeats(keys["through"])) < len(keys["through"]):
+        raise Misfit("bad-path", "a point stands twice in a row in this path", "through")
+    if keys["loop"] and keys["through"][0] == keys["through"][-1]:
+        raise Misfit(
+            "bad-path",
+            "a loop leads back by itself; its last point is its first here",
+            "through",
+            "leave the last point out",
+        )
+    return Moves(**keys)
+
+
+MOVES = record(
+    "a path",
+    {
+        "through": Field(array("a path is a list of two places or more", SPOT, 2)),
+        "speed": Field(SPEED_VALUE),
+        "loop": Field(FLAG, False),
+        "smooth": Field(FLAG, False),
+        "turns": Field(FLAG, True),
+    },
+    _moves,
+)
+
+
+def placed(
+    kind: str,
+    keys: Mapping[str, Field],
+    parts: Callable[..., tuple[Part, ...]],
+    *,
+    solid: bool = True,
+    what: str = "",
+) -> Value[Draft]:
+    """A kind of things: its own keys beside those that all have, which say where a thing is."""
+    what = what or f"a {kind}"
+
+    def build(at: Spot | None, heading: float, moves: Moves | None, **own: Any) -> Draft:
+        if at is None and moves is None:
+            raise Misfit("missing-key", f"{what} needs 'at'")
+        if at is not None and moves is not None:
+            raise Misfit(
+                "two-places",
+                f"{what} that moves has no 'at': it begins where its path begins",
+                "at",
+                "leave it out, or make it the first point of 'through'",
+            )
+        spot = at or Spot(0.0, 0.0)
+        return Draft(kind, parts(**own), solid, spot, heading, moves)
+
+    placing = {
+        "at": Field(SPOT, None),
+        "heading": Field(ANGLE_VALUE, 0.0),
+        "moves": Field(MOVES, None),
+    }
+    value = record(what, {**placing, **keys}, build)
+    placed = {"oneOf": [{"required": ["at"]}, {"required": ["moves"]}]}
+    return Value(value.read, {**value.schema, **placed})

@@ -1,0 +1,100 @@
+"""The parts of a world that have no name: origin, ground, light and starts."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from vencejo.errors import UserError, Where
+from vencejo.nodes import Node, Sequence
+from vencejo.units import ANGLE, LENGTH
+from worlds.colors import COLORS
+from worlds.model import Ground, Light, Origin
+from worlds.pictures import PICTURE
+from worlds.terrain import TERRAIN
+from worlds.things import Color, Image, Terrain
+from worlds.values import (
+    ANGLE_VALUE,
+    COLOR,
+    SHARE,
+    SIZE,
+    SPOT,
+    Field,
+    Spot,
+    Value,
+    degrees,
+    each,
+    quantity,
+    record,
+)
+
+ORIGIN = record(
+    "an origin",
+    {
+        "lat": Field(degrees(90.0)),
+        "lon": Field(degrees(180.0)),
+        "alt": Field(quantity(LENGTH), 0.0),
+    },
+    Origin,
+)
+
+
+def _ground(
+    color: Color, size: float, texture: Image | None, tile: float, terrain: Terrain | None
+) -> Ground:
+    return Ground(color, size, texture.path if texture else None, tile, (), terrain)
+
+
+GROUND = Field(
+    record(
+        "the ground",
+        {
+            "color": Field(COLOR, COLORS["grass"]),
+            "size": Field(SIZE, 100.0),
+            "texture": Field(PICTURE, None),
+            "tile": Field(SIZE, 10.0),
+            "terrain": Field(TERRAIN, None),
+        },
+        _ground,
+    ),
+    Ground(COLORS["grass"], 100.0),
+)
+
+
+def _light(heading: float, height: float, ambient: float, sky: Color) -> Light:
+    level = cos(height)
+    return Light((level * cos(heading), level * sin(heading), sin(height)), ambient, sky)
+
+
+_DAY = Light()
+LIGHT = Field(
+    record(
+        "the light",
+        {
+            "heading": Field(ANGLE_VALUE, -pi / 3),
+            "height": Field(quantity(ANGLE, 0.0, pi / 2), pi / 3),
+            "ambient": Field(SHARE, _DAY.ambient),
+            "sky": Field(COLOR, _DAY.sky),
+        },
+        _light,
+    ),
+    _DAY,
+)
+
+_START = record(
+    "a start",
+    {"at": Field(SPOT), "heading": Field(ANGLE_VALUE, 0.0)},
+    lambda at, heading: (at, heading),
+)
+
+
+def _starts(node: Node) -> list[tuple[Where, Spot, float]]:
+    if isinstance(node, Sequence) and not node.items:
+        raise UserError("wrong-type", "an empty list of starts", node.where, "write {at: [0, 0]}")
+    items = node.items if isinstance(node, Sequence) else [node]
+    return each(items, lambda item: (item.where, *_START.read(item)))
+
+
+STARTS = Value(
+    _starts, {"anyOf": [_START.schema, {"type": "array", "items": _START.schema, "minItems": 1}]}
+)
+"""Each with its place in the file."""

@@ -1,0 +1,113 @@
+"""How far solid things reach, and whether there is room to start beside them. Metres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import hypot, inf, sqrt
+
+from vencejo.geometry import Point, Quaternion, product, rotate_xy, turned, yaw_of
+from worlds.motion import pose_at
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Part, Plate, Shape, Sphere, Thing
+
+START_CLEARANCE = 0.4
+"""Free room that a vehicle needs beside its start."""
+_TOUCHING = 1e-6
+"""What stands on a face is above it, give or take this much."""
+Bounds = tuple[Point, Point]
+"""The lowest and highest x, y and z."""
+
+
+def solid_parts(thing: Thing) -> tuple[Part, ...]:
+    """The parts of a thing that can be touched."""
+    if not thing.solid:
+        return ()
+    return tuple(part for part in thing.parts if not isinstance(part.shape, Plate))
+
+
+def part_pose(part: Part, at: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
+    """Where a part of a thing in that pose is, world frame."""
+    return at.plus(turned(part.at, attitude)), product(attitude, part.attitude)
+
+
+def bounds_of(shape: Shape, at: Point, attitude: Quaternion) -> Bounds:
+    """The upright box about a shape in a pose."""
+    x, y, z = (turned(axis, attitude) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    if isinstance(shape, Mesh):
+        along = [shape.vertices @ [x[k], y[k], z[k]] for k in range(3)]
+        low = Point(*(float(values.min()) for values in along))
+        return at.plus(low), at.plus(Point(*(float(values.max()) for values in along)))
+    if isinstance(shape, Sphere):
+        reach = [shape.radius] * 3
+    elif isinstance(shape, Cylinder):
+        rim = [shape.radius * sqrt(max(0.0, 1 - part * part)) for part in z]
+        reach = [r + shape.height / 2 * abs(part) for r, part in zip(rim, z, strict=True)]
+    else:
+        sides = shape.size if isinstance(shape, Cuboid) else (shape.width, shape.height, 0.0)
+        halves = [side / 2 for side in sides]
+        reach = [
+            sum(h * abs(axis[k]) for h, axis in zip(halves, (x, y, z), strict=True))
+            for k in range(3)
+        ]
+    return at.minus(Point(*reach)), at.plus(Point(*reach))
+
+
+def top_of(thing: Thing) -> float:
+    """World height of the highest point where something can be touched, wherever it moves."""
+    at = thing.at
+    if thing.motion is not None:
+        at = max(thing.motion.points, key=lambda point: point.z)
+    tops = [
+        bounds_of(part.shape, *part_pose(part, at, thing.attitude))[1].z
+        for part in solid_parts(thing)
+    ]
+    return max(tops, default=-inf)
+
+
+def thing_near(things: Iterable[Thing], start: Point) -> Thing | None:
+    """A thing that leaves no room for a vehicle to start at a place.
+
+    A place beside a thing needs START_CLEARANCE; one on or above its upper side is free.
+    """
+    for thing in things:
+        pose = pose_at(thing, 0.0)
+        if any(_is_near(part, *part_pose(part, *pose), start) for part in solid_parts(thing)):
+            return thing
+    return None
+
+
+def _is_near(part: Part, at: Point, attitude: Quaternion, start: Point) -> bool:
+    low, high = bounds_of(part.shape, at, attitude)
+    if not low.z - START_CLEARANCE < start.z < high.z - _TOUCHING:
+        return False
+    east, north = start.x - at.x, start.y - at.y
+    upright = abs(attitude[0]) + abs(attitude[1]) < 1e-9
+    if upright and isinstance(part.shape, Cylinder):
+        return hypot(east, north) < part.shape.radius + START_CLEARANCE
+    if upright and isinstance(part.shape, Cuboid):
+        along, across = rotate_xy(east, north, -yaw_of(attitude))
+        size = part.shape.size
+        return (
+            abs(along) < size.x / 2 + START_CLEARANCE and abs(across) < size.y / 2 + START_CLEARANCE
+        )
+    return (
+        low.x - START_CLEARANCE < start.x < high.x + START_CLEARANCE
+        and low.y - START_CLEARANCE < start.y < high.y + START_CLEARANCE
+    )
+
+
+def distance_to(shape: Shape, place: Point) -> float:
+    """How far a place is from a shape's surface, both in the shape's own frame; of a mesh, from its
+    bounds.
+    """
+    if isinstance(shape, Sphere):
+        return abs(place.norm() - shape.radius)
+    if isinstance(shape, Cylinder):
+        about = hypot(place.x, place.y) - shape.radius
+        over = [about, abs(place.z) - shape.height / 2]
+    elif isinstance(shape, Cuboid):
+        over = [abs(v) - side / 2 for v, side in zip(place, shape.size, strict=True)]
+    else:
+        low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
+        over = [max(a - v, v - b) for a, v, b in zip(low, place, high, strict=True)]
+    outside = hypot(*(max(0.0, v) for v in over))
+    return outside or -max(over)
