@@ -18,7 +18,8 @@ from hal.raster.depth import draw_knot
 from hal.raster.ground import Band, GroundPainter, GroundView, filled
 from hal.raster.order import paint_order
 from hal.raster.scene import Pose, Scene
-from hal.raster.solids import Array, cut, rotation
+from hal.raster.shadows import Shadows
+from hal.raster.solids import Array, cut, relief_of, rotation
 from hal.raster.spans import Outlines, Spans, outlines, spans
 from hal.raster.textures import picture_of
 from hal.raster.tiles import Tiles
@@ -52,7 +53,10 @@ class _Shot:
         m = self.matrix
         depth = points[..., 2]
         return np.stack(
-            [m[0, 0] * points[..., 0] / depth + m[0, 2], m[1, 1] * points[..., 1] / depth + m[1, 2]],
+            [
+                m[0, 0] * points[..., 0] / depth + m[0, 2],
+                m[1, 1] * points[..., 1] / depth + m[1, 2],
+            ],
             -1,
         )
 
@@ -77,15 +81,20 @@ class Raster:
         still = [thing for thing in world.things if not thing.motion]
         # A space keeps the names of vehicles apart from those of things.
         looks = {f" {name}": thing for name, thing in vehicles.items()}
-        self._scene = Scene(still, {**moving, **looks}, 0.0)
+        terrain, color = world.ground.terrain, world.ground.color
+        relief = relief_of(terrain, color) if terrain else None
+        self._scene = Scene(still, {**moving, **looks}, relief)
         self._tiles = Tiles(world.ground)
         self._ground = GroundPainter(self._tiles)
         self._light = world.light
         sun = np.array(world.light.sun, float)
         self._sun = sun / np.linalg.norm(sun)
+        ambient = world.light.ambient
+        self._flat = ambient + (1 - ambient) * max(float(self._sun[2]), 0.0)
+        """What the flat ground shows of its colour before everything is made as bright as it."""
         red, green, blue = world.light.sky
         self._sky = (blue, green, red, 255)
-        self._shadows = shadows
+        self._shadows = Shadows(self._scene, self._sun) if shadows and not terrain else None
         self._moving = moving
         for face in self._scene.faces:
             if face.texture is not None:
@@ -109,6 +118,8 @@ class Raster:
         covered = spans(points, starts.astype(np.int64), shot.width, shot.height)
         outline = outlines(covered)
         self._draw_ground(image, view, bands, outline)
+        if self._shadows is not None and bands:
+            self._darken(image, shot, self._shadows)
         self._draw_faces(image, shot, faces, covered, outline, len(bands))
         return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2BGR), np.uint8)
 
@@ -133,6 +144,21 @@ class Raster:
             else:
                 _paste(image, self._ground.draw(view, bands[polygon], box), points, box)
 
+    def _darken(self, image: Pixels, shot: _Shot, shadows: Shadows) -> None:
+        polygons = []
+        for corners in shadows.polygons():
+            points = cut(shot.to_camera(corners), _AHEAD, NEAR)
+            if len(points) >= 3:
+                polygons.append(shot.to_pixels(np.array(points)))
+        if not polygons:
+            return
+        starts = np.cumsum([0, *map(len, polygons)])
+        found = outlines(spans(np.concatenate(polygons), starts, shot.width, shot.height))
+        mask = np.zeros((shot.height, shot.width), np.uint8)
+        for run in range(len(found.polygon)):
+            cv2.fillConvexPoly(mask, found.points[found.start[run] : found.start[run + 1]], 255)
+        cv2.copyTo(cv2.convertScaleAbs(image, alpha=self._light.ambient / self._flat), mask, image)
+
     # What stands on it.
 
     def _faces(self, shot: _Shot) -> _Faces:
@@ -145,16 +171,16 @@ class Raster:
             return _Faces(numbers, np.zeros((0, 2)), np.zeros(1, np.int64))
         counts = np.diff(scene.corner_start)[numbers]
         ends = np.cumsum(counts)
-        which = np.arange(ends[-1]) + np.repeat(scene.corner_start[numbers] - (ends - counts), counts)
+        which = np.arange(ends[-1]) + np.repeat(
+            scene.corner_start[numbers] - (ends - counts), counts
+        )
         points = shot.to_camera(scene.world[scene.corners[which]])
         nearest = np.minimum.reduceat(points[:, 2], ends - counts)
         if nearest.min() < NEAR:
             # Cut those that reach behind the camera; what is left of each follows in its place.
             polygons = [
                 polygon if near >= NEAR else np.array(cut(polygon, _AHEAD, NEAR)).reshape(-1, 3)
-                for polygon, near in zip(
-                    np.split(points, ends[:-1]), nearest.tolist(), strict=True
-                )
+                for polygon, near in zip(np.split(points, ends[:-1]), nearest.tolist(), strict=True)
             ]
             left = [k for k, polygon in enumerate(polygons) if len(polygon) >= 3]
             numbers, polygons = numbers[left], [polygons[k] for k in left]
@@ -251,8 +277,7 @@ class Raster:
         ball = scene.sphere[scene.solid_of_face[faces]] > 0
         towards[ball] = (1 + towards[ball]) / 2
         lit = ambient + (1 - ambient) * np.maximum(towards, 0.0)
-        flat = ambient + (1 - ambient) * max(float(self._sun[2]), 0.0)
-        return np.asarray(np.minimum(lit / flat, 1.0), np.float64)
+        return np.asarray(np.minimum(lit / self._flat, 1.0), np.float64)
 
     def _texture(
         self, shot: _Shot, face: int, shade: float, box: tuple[int, int, int, int]

@@ -41,8 +41,10 @@ class Mover:
 class Scene:
     """The solids of a world. Vertices, faces and frames of all of them lie in common arrays."""
 
-    def __init__(self, still: Sequence[Thing], moving: Mapping[str, Thing], ground: float) -> None:
-        """``ground``: height below which nothing of still things is to be seen, or −inf."""
+    def __init__(
+        self, still: Sequence[Thing], moving: Mapping[str, Thing], relief: Solid | None = None
+    ) -> None:
+        """``relief``: ground that is not flat. Where it is, what is below it is not seen."""
         self.solids: list[Solid] = []
         self.owner: list[int] = []
         """Per solid: number of the mover it belongs to, −1 for what stands still."""
@@ -50,9 +52,11 @@ class Scene:
             turn, at = rotation(thing.attitude), np.array(thing.at)
             for part in thing.parts:
                 solid = placed(solid_of(part), turn, at)
-                seen = above(solid, ground) if solid.convex else solid
+                seen = above(solid, 0.0) if solid.convex and relief is None else solid
                 if seen is not None:
                     self._add(seen, -1)
+        if relief is not None:
+            self._add(relief, -1)
         for number, thing in enumerate(moving.values()):
             for part in thing.parts:
                 self._add(solid_of(part), number)
@@ -131,7 +135,9 @@ class Scene:
             else:
                 first, last = mine[0], mine[-1] + 1
             faces = slice(int(self.face_start[first]), int(self.face_start[last]))
-            frames = [n for face, n in self.frame_of_face.items() if faces.start <= face < faces.stop]
+            frames = [
+                n for face, n in self.frame_of_face.items() if faces.start <= face < faces.stop
+            ]
             movers.append(
                 Mover(
                     name,
@@ -191,10 +197,8 @@ class Scene:
         across = np.cross(helper, axis)
         across /= np.sqrt((across * across).sum(1))[:, None]
         up = np.cross(axis, across)
-        discs = (
-            middle[:, None]
-            + circle[:, None, None]
-            * (_COS[None, :, None] * across[:, None] + _SIN[None, :, None] * up[:, None])
+        discs = middle[:, None] + circle[:, None, None] * (
+            _COS[None, :, None] * across[:, None] + _SIN[None, :, None] * up[:, None]
         )
         for number, disc, normal in zip(which.tolist(), discs, axis, strict=True):
             start, face = self.vertex_start[number], self.face_start[number]
@@ -250,6 +254,12 @@ class Scene:
             return (self.local_middles if local else self.middles)[solid][None]
         return vertices[self.vertex_start[solid] : self.vertex_start[solid + 1]]
 
+    def hull(self, solid: int) -> Array:
+        """Points that span a solid, world frame; of a sphere, those of a ball about it."""
+        if self.sphere[solid]:
+            return np.asarray(self.middles[solid] + self.sphere[solid] * _BALL, np.float64)
+        return self._hull(solid, self.world, False)
+
     def _edges(self, solid: int, vertices: Array) -> Array:
         """Directions of a solid's edges, each once."""
         found: dict[tuple[int, int], None] = {}
@@ -276,5 +286,12 @@ def _from_edges(point: Array, corners: Array) -> Array:
     return np.asarray(point - nearest, np.float64)
 
 
+_BALL = np.array(
+    [
+        (np.cos(east) * np.cos(north), np.sin(east) * np.cos(north), np.sin(north))
+        for east in np.linspace(0, 2 * np.pi, 16, endpoint=False)
+        for north in np.linspace(-np.pi / 2, np.pi / 2, 9)
+    ]
+)
 _ANGLES = np.linspace(0, 2 * np.pi, OUTLINE, endpoint=False)
 _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vencejo.geometry import Quaternion
-from worlds.things import Color, Cuboid, Cylinder, Mesh, Part, Plate, Sphere, Texture
+from worlds.things import Color, Cuboid, Cylinder, Mesh, Part, Plate, Sphere, Terrain, Texture
 
 Array = NDArray[np.float64]
 
@@ -140,6 +140,25 @@ def _mesh(shape: Mesh, color: Color) -> Solid:
     convex = bool((heights <= _FLAT * reach).all())
     corners = [tuple(int(corner) for corner in face) for face in faces]
     return Solid(vertices, tuple(Face(corner, color) for corner in corners), convex)
+
+
+def relief_of(terrain: Terrain, color: Color) -> Solid:
+    """The surface of a height field, two triangles to a cell."""
+    heights = np.array(terrain.heights, float)
+    rows, columns = heights.shape
+    half = terrain.size / 2
+    north, east = np.meshgrid(
+        np.linspace(-half, half, rows), np.linspace(-half, half, columns), indexing="ij"
+    )
+    vertices = np.stack([east, north, heights], -1).reshape(-1, 3)
+    row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
+    corner = (row * columns + column).ravel().tolist()
+    faces = [
+        Face(face, color)
+        for a in corner
+        for face in ((a, a + 1, a + columns + 1), (a, a + columns + 1, a + columns))
+    ]
+    return Solid(vertices, tuple(faces), convex=False)
 
 
 def above(solid: Solid, level: float) -> Solid | None:

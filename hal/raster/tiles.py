@@ -189,5 +189,3 @@ def _noise() -> NDArray[np.float32]:
 
 
 _NOISE: list[NDArray[np.float32]] = []
-
-

@@ -16,22 +16,22 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.solids import Solid, rotation, solid_of
+from hal.raster.solids import Solid, relief_of, rotation, solid_of
 from hal.raster.textures import picture_of
 from hal.raster.tiles import FINEST, SIDE, Tiles
 from hal.rendering import Pose
-from hal.sim.bullet import load_pybullet, stderr_shut
+from hal.sim.bullet import load_pybullet, shut
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
 from vencejo.geometry import Quaternion
 from worlds.model import World
 from worlds.motion import pose_at
-from worlds.things import Color, Cuboid, Mesh, Part, Sphere, Texture, Thing
+from worlds.things import Color, Mesh, Part, Sphere, Texture, Thing
 
 Pixels = NDArray[np.uint8]
 
-NEAR, FAR = 0.02, 2000.0
-"""Depths between which things are seen, metres."""
+NEAR, FAR = 0.05, 1000.0
+"""Depths between which things are seen, metres; wider apart, what lies close together flickers."""
 _GROUND_TEXELS = 2048
 """Along the picture that the whole coloured ground is painted on."""
 _BENEATH = -0.02
@@ -52,6 +52,7 @@ class BulletView:
         self._shadows = shadows
         self._client: int = self._connect()
         self._files = TemporaryDirectory(prefix="vencejo-")
+        self._count = 0
         self._textures: dict[Texture, int] = {}
         self.names: dict[int, str] = {}
         """Things by the bodies that show them."""
@@ -59,6 +60,8 @@ class BulletView:
         self._moving = [thing for thing in world.things if thing.motion]
         try:
             self._add_ground()
+            if world.ground.terrain:
+                self._mesh(relief_of(world.ground.terrain, world.ground.color), world.ground.color)
             # A space keeps the names of vehicles apart from those of things.
             looks = {f" {name}": thing for name, thing in vehicles.items()}
             for name, thing in ({each.name: each for each in world.things} | looks).items():
@@ -128,21 +131,16 @@ class BulletView:
             p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
 
     def _body(self, visual: int) -> int:
-        return int(
-            self._p.createMultiBody(0, -1, visual, [0, 0, 0], physicsClientId=self._client)
-        )
+        return int(self._p.createMultiBody(0, -1, visual, [0, 0, 0], physicsClientId=self._client))
 
     def _show(self, part: Part) -> int:
-        p, shape, color = self._p, part.shape, _rgba(part.color)
-        made: dict[str, Any] = {"rgbaColor": color, "physicsClientId": self._client}
-        made["specularColor"] = [0, 0, 0]
-        if isinstance(shape, Cuboid) and part.texture is None:
-            halves = [side / 2 for side in shape.size]
-            return self._body(p.createVisualShape(p.GEOM_BOX, halfExtents=halves, **made))
+        # All as meshes: pybullet's own balls are coarse, and OpenGL's boxes lose their corners.
+        p, shape = self._p, part.shape
         if isinstance(shape, Sphere):
-            # pybullet's own balls are coarse.
             shape = _ball(shape.radius)
-        upright = Part(shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture)
+        upright = Part(
+            shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture
+        )
         body = self._mesh(solid_of(upright), part.color)
         if part.texture is not None:
             p.changeVisualShape(
@@ -164,19 +162,35 @@ class BulletView:
             corners = solid.vertices[list(face.corners)].tolist()
             vertices.extend(corners)
             # Textured faces have four corners, the lower left first.
-            uvs.extend([[0, 1], [1, 1], [1, 0], [0, 0]] if len(corners) == 4 else [[0, 0]] * 3)
+            uvs.extend(_CORNERS if len(corners) == 4 else [[0, 0]] * 3)
             for k in range(1, len(corners) - 1):
                 indices.extend((base, base + k, base + k + 1))
-        visual = p.createVisualShape(
-            p.GEOM_MESH,
-            vertices=vertices,
-            indices=indices,
-            uvs=uvs,
-            rgbaColor=_rgba(color),
-            specularColor=[0, 0, 0],
-            physicsClientId=self._client,
+        return self._body(
+            p.createVisualShape(
+                p.GEOM_MESH,
+                fileName=self._mesh_file(vertices, uvs, indices),
+                rgbaColor=_rgba(color),
+                specularColor=[0, 0, 0],
+                physicsClientId=self._client,
+            )
         )
-        return self._body(visual)
+
+    def _mesh_file(
+        self, vertices: list[list[float]], uvs: list[list[float]], indices: list[int]
+    ) -> str:
+        """Triangles as a file: given directly, the OpenGL renderer does not take them."""
+        # OBJ counts from 1, and v upwards.
+        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+        lines += [f"vt {u:.9g} {1 - v:.9g}" for u, v in uvs]
+        corners = [f"{index + 1}/{index + 1}" for index in indices]
+        lines += [f"f {' '.join(corners[k : k + 3])}" for k in range(0, len(corners), 3)]
+        path = self._file("obj")
+        path.write_text("\n".join(lines) + "\n", "ascii")
+        return str(path)
+
+    def _file(self, kind: str) -> Path:
+        self._count += 1
+        return Path(self._files.name) / f"{self._count}.{kind}"
 
     def _texture(self, texture: Texture) -> int:
         if texture not in self._textures:
@@ -184,7 +198,7 @@ class BulletView:
         return self._textures[texture]
 
     def _load(self, pixels: Pixels) -> int:
-        path = Path(self._files.name) / f"{len(list(Path(self._files.name).iterdir()))}.png"
+        path = self._file("png")
         cv2.imwrite(str(path), pixels[..., :3])
         return int(self._p.loadTexture(str(path), physicsClientId=self._client))
 
@@ -200,14 +214,12 @@ class BulletView:
         half = reach * SIDE * FINEST * 2**level
         for side, height, pixels in (
             (half, 0.0, np.vstack(rows)[::-1]),
-            (FAR / 4, _BENEATH, np.full((2, 2, 4), tiles.beyond, np.uint8)),
+            (FAR, _BENEATH, np.full((64, 64, 4), tiles.beyond, np.uint8)),
         ):
+            corners = [[x, y, height] for x, y in (_AROUND * side).tolist()]
+            file = self._mesh_file(corners, _CORNERS, [0, 1, 2, 0, 2, 3])
             visual = p.createVisualShape(
-                p.GEOM_MESH,
-                vertices=[[x, y, height] for x, y in _AROUND * side],
-                indices=[0, 1, 2, 0, 2, 3],
-                uvs=[[0, 1], [1, 1], [1, 0], [0, 0]],
-                physicsClientId=self._client,
+                p.GEOM_MESH, fileName=file, physicsClientId=self._client
             )
             p.changeVisualShape(
                 self._body(visual),
@@ -227,15 +239,18 @@ class TinyView(BulletView):
 class EglView(BulletView):
     """OpenGL without a window, by pybullet's plugin."""
 
+    def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
+        """Raises UserError (``no-egl``) where the plugin is missing or finds no OpenGL."""
+        # It tells a lot about the machine's OpenGL.
+        with shut(1, 2):
+            super().__init__(world, vehicles, shadows)
+
     def _connect(self) -> int:
         p, client = self._p, super()._connect()
-        found = find_spec("eglRenderer")
-        plugin = -1
-        with stderr_shut(), suppress(p.error):
-            if found and found.origin:
-                plugin = p.loadPlugin(
-                    found.origin, "_eglRendererPlugin", physicsClientId=client
-                )
+        found, plugin = find_spec("eglRenderer"), -1
+        if found and found.origin:
+            with suppress(p.error):
+                plugin = p.loadPlugin(found.origin, "_eglRendererPlugin", physicsClientId=client)
         if plugin < 0:
             p.disconnect(client)
             raise UserError(
@@ -243,10 +258,23 @@ class EglView(BulletView):
                 "pybullet's EGL renderer does not run on this machine",
                 hint="take --renderer raster, which needs no OpenGL, or tiny",
             )
+        self._plugin = plugin
         return client
 
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
+
+    def look(
+        self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
+    ) -> tuple[Pixels, NDArray[np.int32]]:
+        with shut(1):
+            return super().look(pose, intrinsics, moment, vehicles)
+
+    def close(self) -> None:
+        if self._client >= 0:
+            with shut(1, 2):
+                self._p.unloadPlugin(self._plugin, physicsClientId=self._client)
+                super().close()
 
 
 class _Window(BulletView):
@@ -282,6 +310,8 @@ def show(world: World) -> None:
 
 
 _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_CORNERS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
+"""Of a texture, as _AROUND goes; v counts down."""
 _AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
 
 
@@ -289,7 +319,9 @@ def _ball(radius: float) -> Mesh:
     """A sphere by degrees of latitude and longitude."""
     rings, around = 24, 48
     south, east = np.meshgrid(
-        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, around, endpoint=False), indexing="ij"
+        np.linspace(0, np.pi, rings + 1),
+        np.linspace(0, 2 * np.pi, around, endpoint=False),
+        indexing="ij",
     )
     at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
     ring, slice_ = np.divmod(np.arange(rings * around), around)

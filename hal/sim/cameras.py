@@ -224,13 +224,9 @@ class SimCamera:
             ]
         pictures = []
         for moment in moments:
-            poses = {
-                name: track.pose(ago, moment) for name, track in self._studio.tracks.items()
-            }
+            poses = {name: track.pose(ago, moment) for name, track in self._studio.tracks.items()}
             eye = self._eye(poses.pop(self._vehicle))
-            pictures.append(
-                self._studio.renderer.render(eye, optics.pinhole, time + moment, poses)
-            )
+            pictures.append(self._studio.renderer.render(eye, optics.pinhole, time + moment, poses))
         position, attitude = self._eye(self._studio.tracks[self._vehicle].pose(ago, 0.0))
         image = optics.develop(pictures, sequence)
         return Frame(image, sequence, time, spec.intrinsics, position, attitude)
