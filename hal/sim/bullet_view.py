@@ -218,9 +218,7 @@ class BulletView:
         ):
             corners = [[x, y, height] for x, y in (_AROUND * side).tolist()]
             file = self._mesh_file(corners, _CORNERS, [0, 1, 2, 0, 2, 3])
-            visual = p.createVisualShape(
-                p.GEOM_MESH, fileName=file, physicsClientId=self._client
-            )
+            visual = p.createVisualShape(p.GEOM_MESH, fileName=file, physicsClientId=self._client)
             p.changeVisualShape(
                 self._body(visual),
                 -1,
