@@ -5,7 +5,16 @@ from __future__ import annotations
 import subprocess
 import sys
 
-BENCHMARKS = ("first_flight", "startup", "hold", "gotos", "latency", "conformance", "worlds", "cameras")
+BENCHMARKS = (
+    "first_flight",
+    "startup",
+    "hold",
+    "gotos",
+    "latency",
+    "conformance",
+    "worlds",
+    "cameras",
+)
 
 for name in BENCHMARKS:
     print(flush=True)

@@ -22,8 +22,8 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from time import process_time
 
-from bench.machine import machine
 from behaviors import Pilot
+from bench.machine import machine
 from cli import missions
 from cli.flight import Plan, fly
 from cli.prepare import prepare
@@ -150,7 +150,8 @@ def main() -> None:
             "one camera, tiny": partial(fly_with, ("front",), {"renderer": "tiny"}),
         }
         factors = {
-            name: [job() for _ in range(1 if "tiny" in name else RUNS)] for name, job in jobs.items()
+            name: [job() for _ in range(1 if "tiny" in name else RUNS)]
+            for name, job in jobs.items()
         }
     if "--json" in sys.argv[1:]:
         figures = {name: median(values) for name, values in factors.items()}

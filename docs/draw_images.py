@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import cv2
 from rich.console import Console
 
 from behaviors import Pilot
@@ -54,7 +55,10 @@ def draw_worlds() -> None:
     """The shipped worlds, each in a file of at most 60 kB."""
     (IMAGES / "worlds").mkdir(exist_ok=True)
     for name in world_names():
-        render(find_world(name), IMAGES / "worlds" / f"{name}.jpg")
+        path = IMAGES / "worlds" / f"{name}.jpg"
+        render(find_world(name), path)
+        small = cv2.resize(cv2.imread(str(path)), (480, 360), interpolation=cv2.INTER_AREA)
+        cv2.imwrite(str(path), small, [cv2.IMWRITE_JPEG_QUALITY, 88])
 
 
 def main() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,11 +15,11 @@ Pixels = NDArray[np.uint8]
 def draw_knot(
     image: Pixels,
     covered: Spans,
-    planes: NDArray[np.float64],
+    planes: NDArray[np.floating[Any]],
     colors: NDArray[np.uint8],
     textured: dict[int, tuple[tuple[int, int, int, int], Pixels]],
     balls: dict[int, tuple[NDArray[np.float64], float]],
-    to_rays: NDArray[np.float64],
+    to_rays: NDArray[np.floating[Any]],
 ) -> None:
     """Draw polygons so that at each pixel the nearest shows.
 
@@ -55,7 +57,7 @@ def draw_knot(
 def _nearness_of_ball(
     x: NDArray[np.int64],
     y: NDArray[np.int64],
-    to_rays: NDArray[np.float64],
+    to_rays: NDArray[np.floating[Any]],
     middle: NDArray[np.float64],
     radius: float,
 ) -> NDArray[np.float32]:
@@ -64,4 +66,4 @@ def _nearness_of_ball(
     along, squares = middle @ rays, (rays * rays).sum(0)
     rest = along * along - squares * (middle @ middle - radius * radius)
     depth = (along - np.sqrt(np.maximum(rest, 0.0))) / squares
-    return (1 / np.maximum(depth, 1e-6)).astype(np.float32)
+    return np.asarray(1 / np.maximum(depth, 1e-6), np.float32)

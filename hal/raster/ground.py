@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, inf
+from functools import cached_property
+from math import floor, hypot, inf
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ Pixels = NDArray[np.uint8]
 
 _STRETCH = 0.75
 """Between detail for the length of a pixel's footprint (1) and for its width (0)."""
-_THINNEST = 3
+_THINNEST = 6
 """Pixels that a band is high at least."""
 _LARGEST = 14
 """Tiles along a patch at most."""
@@ -31,6 +32,11 @@ class _Patch:
     columns: int
     rows: int
     texels: Pixels
+
+    @cached_property
+    def turned(self) -> Pixels:
+        """With rows and columns changed about: reading along rows is more than twice as fast."""
+        return np.ascontiguousarray(self.texels.transpose(1, 0, 2))
 
     def holds(self, west: int, south: int, east: int, north: int) -> bool:
         return (
@@ -60,7 +66,7 @@ class GroundView:
         ``height`` is the camera's above the ground; at or below 0 nothing of the ground is seen.
         """
         self.height = height
-        rays = turn @ np.linalg.inv(matrix)
+        rays = turn @ cv2.invert(matrix)[1]
         # A ray's fall is a linear function of the pixel, and the inverse of its depth.
         self.fall = -rays[2]
         self.to_ground = np.stack(
@@ -70,6 +76,7 @@ class GroundView:
                 rays[2],
             ]
         )
+        self.to_ground_rows: list[list[float]] = self.to_ground.tolist()
         self._focal = (matrix[0, 0] + matrix[1, 1]) / 2
         self._tilt = hypot(turn[2, 0], turn[2, 1])
 
@@ -81,7 +88,7 @@ class GroundView:
         falls = frame @ self.fall[:2] + self.fall[2]
         if falls.max() <= 0:
             return []
-        found = []
+        found: list[Band] = []
         per_pixel = hypot(self.fall[0], self.fall[1])
         upper, coarsest = self.height / self._depth(LEVELS), LEVELS - 1
         self._add(found, frame, falls, 0.0, upper, None)
@@ -102,7 +109,7 @@ class GroundView:
         reach = FINEST * 2 ** (level - 0.5) * self._focal
         stretched = self.height / max(self._tilt, 1e-9)
         if reach <= stretched:
-            return reach
+            return float(reach)
         return float((reach * stretched**_STRETCH) ** (1 / (1 + _STRETCH)))
 
     def _add(
@@ -170,10 +177,14 @@ class GroundPainter:
             ]
         )
         move = np.array([[1.0, 0.0, left], [0.0, 1.0, top], [0.0, 0.0, 1.0]])
+        way, texels = to_patch @ view.to_ground @ move, patch.texels
+        x, y, w = (way @ ((right - left) / 2, (bottom - top) / 2, 1.0)).tolist()
+        if abs(way[1, 0] * w - y * way[2, 0]) > abs(way[0, 0] * w - x * way[2, 0]):
+            way, texels = way[[1, 0, 2]], patch.turned
         return np.asarray(
             cv2.warpPerspective(
-                patch.texels,
-                to_patch @ view.to_ground @ move,
+                texels,
+                way,
                 (right - left, bottom - top),
                 into,
                 flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
@@ -183,10 +194,17 @@ class GroundPainter:
         )
 
     def _patch(self, view: GroundView, band: Band, level: int) -> _Patch:
-        seen = np.column_stack([band.corners, np.ones(len(band.corners))]) @ view.to_ground.T
-        places = seen[:, :2] / seen[:, 2:] / (FINEST * 2**level * SIDE)
-        west, south = np.floor(places.min(0) - 1 / SIDE).astype(int).tolist()
-        east, north = np.floor(places.max(0) + 1 / SIDE).astype(int).tolist()
+        side = FINEST * 2**level * SIDE
+        (a, b, c), (d, e, f), (g, h, i) = view.to_ground_rows
+        places = [
+            ((a * x + b * y + c) / w, (d * x + e * y + f) / w)
+            for x, y in band.corners.tolist()
+            for w in [(g * x + h * y + i) * side]
+        ]
+        x, y = [place[0] for place in places], [place[1] for place in places]
+        room = 1 / SIDE
+        west, east = floor(min(x) - room), floor(max(x) + room)
+        south, north = floor(min(y) - room), floor(max(y) + room)
         patch = self._patches.get(level)
         if patch is None or not patch.holds(west, south, east, north):
             patch = self._patches[level] = self._assemble(level, west, south, east, north)

@@ -60,7 +60,7 @@ def paint_order(
 
 
 def _components(behind: list[list[int]], order: list[int]) -> list[list[int]]:
-    """Strongly connected components, each after all that is behind it (Tarjan, without recursion)."""
+    """Strongly connected components, each after all behind it (Tarjan, without recursion)."""
     found: list[list[int]] = []
     index = [-1] * len(behind)
     low = [0] * len(behind)

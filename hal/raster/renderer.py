@@ -290,7 +290,7 @@ class Raster:
         # Columns: where (u, v, 1) of the texture, 0 to 1, lies in the picture.
         seen = shot.matrix @ (frame @ shot.turn)[[1, 2, 0]].T
         left, top, right, bottom = box
-        back = np.linalg.inv(seen) @ np.array([[1.0, 0, left], [0, 1.0, top], [0, 0, 1.0]])
+        back = cv2.invert(seen)[1] @ np.array([[1.0, 0, left], [0, 1.0, top], [0, 0, 1.0]])
         pixels = picture_of(texture).level(_step(back, right - left, bottom - top))
         height, width = pixels.shape[:2]
         scale = np.array([[width, 0.0, -0.5], [0.0, height, -0.5], [0.0, 0.0, 1.0]])
@@ -324,7 +324,7 @@ class Raster:
         normals = scene.normals[faces.numbers]
         distances = scene.offsets[faces.numbers] - normals @ shot.eye
         # On a plane n · p = d the inverse depth is n · ray / d.
-        to_rays = np.linalg.inv(shot.matrix)
+        to_rays = np.asarray(cv2.invert(shot.matrix)[1], np.float64)
         planes = (normals @ shot.turn) @ to_rays / distances[:, None]
         textured = {}
         for k in np.flatnonzero(mine).tolist():

@@ -153,7 +153,7 @@ class Scene:
     def _offsets(self, faces: slice) -> Array:
         """Of the planes of faces: normal · corner."""
         anchors = self.world[self.corners[self.corner_start[:-1][faces]]]
-        return np.einsum("ij,ij->i", self.normals[faces], anchors)
+        return np.asarray(np.einsum("ij,ij->i", self.normals[faces], anchors), np.float64)
 
     def place(self, poses: Mapping[str, Pose]) -> None:
         """Put the movers where they are; those without a pose are not seen."""
@@ -251,8 +251,10 @@ class Scene:
 
     def _hull(self, solid: int, vertices: Array, local: bool) -> Array:
         if self.sphere[solid]:
-            return (self.local_middles if local else self.middles)[solid][None]
-        return vertices[self.vertex_start[solid] : self.vertex_start[solid + 1]]
+            middles = self.local_middles if local else self.middles
+            return np.asarray(middles[solid : solid + 1], np.float64)
+        first, last = self.vertex_start[solid : solid + 2].tolist()
+        return np.asarray(vertices[first:last], np.float64)
 
     def hull(self, solid: int) -> Array:
         """Points that span a solid, world frame; of a sphere, those of a ball about it."""

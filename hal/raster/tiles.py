@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterator
+from itertools import pairwise
 from math import cos, pi, sin
 
 import cv2
@@ -26,10 +27,13 @@ _KEPT = 600
 _ROUGHNESS = 5.0
 """Largest brightness that each octave of the ground's own pattern adds."""
 _OCTAVES = 5
-_FINER = 4
+_STEPS = 128
+"""Places along a tile at which all octaves but the finest are worked out."""
+_FINER = 2
 """Lines are drawn this much finer than a texel, and then averaged."""
 
 Pixels = NDArray[np.uint8]
+Floats = NDArray[np.float32]
 
 
 class Tiles:
@@ -47,7 +51,7 @@ class Tiles:
         self._kept: OrderedDict[tuple[int, int, int], Pixels] = OrderedDict()
         red, green, blue = ground.color
         self.color = (blue, green, red, 255)
-        self.beyond = tuple((3 * part + 2 * 125) // 5 for part in (blue, green, red)) + (255,)
+        self.beyond = (*((3 * part + 2 * 125) // 5 for part in (blue, green, red)), 255)
         """Colour of the ground outside the coloured square."""
 
     def tile(self, level: int, column: int, row: int) -> Pixels:
@@ -116,7 +120,7 @@ class Tiles:
         if not drawn:
             return
         size = SIDE * _FINER
-        large = np.repeat(np.repeat(tile, _FINER, 0), _FINER, 1)
+        large = cv2.resize(tile, (size, size), interpolation=cv2.INTER_NEAREST)
         for color, pieces in drawn:
             points = (np.concatenate(pieces) - (west, south)) / fine - 0.5
             starts = np.cumsum([0, *map(len, pieces)])
@@ -134,11 +138,11 @@ def _bgr(color: Color) -> tuple[int, int, int, int]:
 def _pieces(stripe: Stripe) -> Iterator[NDArray[np.float64]]:
     """The convex pieces of a painted line: a rectangle along each leg, a round joint between two.
 
-    Clockwise on the map: rows of a tile go north, so that is counter-clockwise as an image shows it.
+    Clockwise on the map: rows of a tile go north, so an image shows it counter-clockwise.
     """
     points = np.array(stripe.points, float)
     half = stripe.width / 2
-    for start, end in zip(points[:-1], points[1:], strict=True):
+    for start, end in pairwise(points):
         along = end - start
         length = float(np.hypot(*along))
         if length > 0:
@@ -159,24 +163,42 @@ def _meets(piece: NDArray[np.float64], west: float, south: float, side: float) -
 
 
 def _roughen(tile: Pixels, level: int, column: int, row: int) -> None:
-    """Add a pattern that has detail at every scale, so that motion over bare ground can be seen."""
-    noise = _noise()
-    total = np.zeros((SIDE, SIDE), np.float32)
-    for octave in range(_OCTAVES):
-        # An octave's grid is its level's; it repeats after SIDE texels of that level.
-        share = 0.5**octave
-        kind = level + octave
-        east = (column * SIDE * share + 37 * kind) % SIDE + share / 2 - 0.5
-        north = (row * SIDE * share + 91 * kind) % SIDE + share / 2 - 0.5
-        total += cv2.warpAffine(
-            noise,
-            np.array([[share, 0, east], [0, share, north]]),
-            (SIDE, SIDE),
-            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-            borderMode=cv2.BORDER_WRAP,
-        )
+    """Add a pattern that has detail at every scale, so that motion over bare ground can be seen.
+
+    An octave's grid is that of its level; it repeats after SIDE texels of it.
+    """
+    corner = column * SIDE, row * SIDE
+    # All but the finest are added up in steps of some texels, from one step before the tile to
+    # one behind it, and spread from there; the finest lies on the texels themselves.
+    step = SIDE // _STEPS
+    coarse = np.zeros((_STEPS + 2, _STEPS + 2), np.float32)
+    for octave in range(1, _OCTAVES):
+        coarse += _octave(level, octave, corner, step, -step / 2, _STEPS + 2)
+    total = _warped(coarse, 1 / step, (0.5 / step + 0.5, 0.5 / step + 0.5), SIDE)
+    total += np.roll(_noise(), (-91 * level, -37 * level), (0, 1))
     added = np.rint(total).astype(np.int16)
     cv2.add(tile, cv2.merge([added, added, added, np.zeros_like(added)]), tile, dtype=cv2.CV_8U)
+
+
+def _octave(
+    level: int, octave: int, corner: tuple[int, int], step: int, first: float, count: int
+) -> Floats:
+    """An octave at ``count`` places each way, from ``first`` texels behind the tile's corner on."""
+    share, kind = 0.5**octave, level + octave
+    east, north = (
+        ((place + first) * share - 0.5 + shift * kind) % SIDE
+        for place, shift in zip(corner, (37, 91), strict=True)
+    )
+    return _warped(_noise(), step * share, (east, north), count)
+
+
+def _warped(field: Floats, scale: float, begin: tuple[float, float], count: int) -> Floats:
+    move = np.array([[scale, 0, begin[0]], [0, scale, begin[1]]])
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    size = (count, count)
+    return np.asarray(
+        cv2.warpAffine(field, move, size, flags=flags, borderMode=cv2.BORDER_WRAP), np.float32
+    )
 
 
 def _noise() -> NDArray[np.float32]:

@@ -35,11 +35,14 @@ _SUB_PICTURES = 5
 """Pictures that are averaged for one with motion blur."""
 
 
+_MIDDLE = Point(0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class CameraSpec:
     """A camera on a vehicle. Metres and radians; body axes are FLU about the centre of mass."""
 
-    at: Point = Point(0.0, 0.0, 0.0)
+    at: Point = _MIDDLE
     pan: float = 0.0
     """To the left of straight ahead."""
     tilt: float = 0.0
@@ -200,7 +203,7 @@ class SimCamera:
         self._optics: Optics | None = None
 
     def latest(self) -> Frame:
-        """The newest picture; its pixels cannot be written to. Raises UserError without renderer."""
+        """The newest picture, not to be written to. Raises UserError when nothing can draw it."""
         now, every = self._steps(), _STEPS_PER_SECOND / self._spec.rate
         # A picture is taken at the first physics step at or after its time.
         sequence = floor(now / every + 1e-9)

@@ -45,10 +45,18 @@ def world_of(
 ) -> World:
     """A world of things; without a light every face shows its colour as it is."""
     return World(
-        name="test", description="", origin=None, ground=ground, starts=(Start(start, 0.0),), battery=1.0,
-        places={}, source=Path("test"), sha256="", things=things,
+        name="test",
+        description="",
+        origin=None,
+        ground=ground,
+        starts=(Start(start, 0.0),),
+        battery=1.0,
+        places={},
+        source=Path("test"),
+        sha256="",
+        things=things,
         light=light or Light(ambient=1.0),
-    )  # fmt: skip
+    )
 
 
 def thing_of(

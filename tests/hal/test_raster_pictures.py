@@ -30,7 +30,7 @@ from tests.hal.scenes import (
 from vencejo.errors import UserError
 from vencejo.geometry import Point, product, yaw_quaternion
 from worlds.model import Ground, Light, World
-from worlds.things import Cuboid, Fiducial, Image, Motion, Plate, Thing
+from worlds.things import Cuboid, Fiducial, Image, Motion, Plate, Terrain, Thing
 
 Floats = NDArray[np.float64]
 
@@ -268,6 +268,33 @@ def test_moving_things_and_vehicles_are_where_they_are() -> None:
             assert middle == [0, 0, 250]
         else:
             assert middle[1] > 100
+
+
+def test_shadows_fall_away_from_the_sun() -> None:
+    box = thing_of("box", Cuboid(Point(1, 1, 1)), (0, 0, 0.5), color=(200, 100, 50))
+    world = world_of(box, ground=Ground((100, 100, 100), 50.0), light=Light((1, 0, 1), 0.5))
+    eye = look((0, 0, 8), (0, 0, 0), (0, 1, 0))
+    lit = Raster(world, {}).render(eye, LENS, 0.0, {})[..., 1].astype(int)
+    dark = Raster(world, {}, True).render(eye, LENS, 0.0, {})[..., 1].astype(int)
+    share = 0.5 / (0.5 + 0.5 * 0.5**0.5)
+    # The shadow reaches one metre west of the box, which is 35 pixels on the ground.
+    shaded = (dark < lit * (share + 0.05)) & (dark > lit * (share - 0.05))
+    assert shaded[120, 110:138].all() and not shaded[120, :102].any()
+    assert not shaded[:, 180:].any() and not shaded[:100].any()
+
+
+def test_hills_hide_what_is_behind_them_and_bury_what_is_in_them() -> None:
+    heights = tuple(
+        tuple(3.0 if 3 <= row <= 5 and 3 <= column <= 5 else 0.0 for column in range(9))
+        for row in range(9)
+    )
+    ground = Ground((0, 200, 0), 100.0, terrain=Terrain(heights, 16.0))
+    behind = thing_of("behind", Cuboid(Point(1, 1, 1)), (6.5, 0, 0.5))
+    inside = thing_of("inside", Cuboid(Point(1, 1, 1)), (0, 0, 1.0))
+    on_top = thing_of("on_top", Cuboid(Point(1, 1, 1)), (0, 0, 3.5), color=(0, 0, 250))
+    image = picture(world_of(behind, inside, on_top, ground=ground), look((-9, 0, 2), (0, 0, 2)))
+    assert not (image == (30, 30, 200)).all(2).any()
+    assert (image == (250, 0, 0)).all(2).sum() > 200
 
 
 def test_equal_arguments_give_equal_pictures() -> None:
