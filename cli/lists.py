@@ -209,8 +209,8 @@ def worlds(
     gui: bool,
     as_json: bool,
 ) -> None:
-    """List the worlds that are shipped, or show NAME (or a file)."""
-    from worlds import find_world, world_names
+    """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
+    from worlds import find_world, world_families, world_names
 
     if name is None and (picture_file or gui):
         raise UserError("no-world", "which world?", hint="drone-cli worlds road_town --render …")
@@ -220,6 +220,8 @@ def worlds(
             click.echo(json.dumps([{"world": key, "description": text} for key, text in rows]))
         else:
             _table(rows)
+            click.echo("\ngenerated, by number (roads:17):")
+            _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
         return
     world = find_world(name)
     if picture_file:

@@ -64,7 +64,7 @@ def view(world: World, camera: str, at: tuple[float, float, float, float] | None
             return Point(middle.x, middle.y, height), _aimed(pi / 2, pi / 2)
         # From the south-west and above, with all of it in the picture.
         heading, tilt = radians(45), radians(27)
-        back = turned((-2.1 * reach, 0.0, 0.0), product(yaw_quaternion(heading), about_y(tilt)))
+        back = turned((-2.5 * reach, 0.0, 0.0), product(yaw_quaternion(heading), about_y(tilt)))
         return middle.plus(back), _aimed(heading, tilt)
     start = world.starts[0]
     x, y, z, yaw = at or (start.at.x, start.at.y, start.at.z + 10.0, start.heading)

@@ -1,6 +1,6 @@
 """Worlds to fly in: what they consist of, how they are read and where the shipped ones are."""
 
-from worlds.catalog import find_world, world_names
+from worlds.catalog import find_world, world_families, world_names
 from worlds.loader import load_world
 from worlds.model import Ground, Light, Origin, Road, Start, World
 from worlds.motion import pose_at, velocity_at
@@ -19,5 +19,6 @@ __all__ = [
     "load_world",
     "pose_at",
     "velocity_at",
+    "world_families",
     "world_names",
 ]

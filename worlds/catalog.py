@@ -18,6 +18,11 @@ def world_names() -> list[str]:
     return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
 
 
+def world_families() -> dict[str, str]:
+    """The families of generated worlds, each with what its worlds are."""
+    return {name: (family.__doc__ or "").partition("\n")[0] for name, family in FAMILIES.items()}
+
+
 def find_world(word: str, where: Where | None = None) -> World:
     """The shipped world of that name, the generated one (``roads:17``), or else the world in the
     file of that path.

@@ -31,6 +31,8 @@ from worlds.things import Color
 T = TypeVar("T")
 _S = TypeVar("_S")
 _DEGREE = pi / 180
+_FAR = 1e5
+"""No place is farther from the origin, metres, and no thing larger."""
 NAME = r"[a-z][a-z0-9_]*"
 Schema = Mapping[str, Any]
 
@@ -135,9 +137,9 @@ def quantity(dimension: Dimension, low: float = -inf, high: float = inf) -> Valu
     return Value(read, {"anyOf": [number, text]})
 
 
-def above_zero(dimension: Dimension) -> Value[float]:
+def above_zero(dimension: Dimension, high: float) -> Value[float]:
     """A size, a speed: a quantity above 0."""
-    any_sign = quantity(dimension)
+    any_sign = quantity(dimension, -high, high)
 
     def read(node: Node) -> float:
         value = any_sign.read(node)
@@ -151,7 +153,7 @@ def above_zero(dimension: Dimension) -> Value[float]:
     number, text = any_sign.schema["anyOf"]
     pattern = text["pattern"].replace("^", "^(?=[+0.]*[1-9])", 1)
     positive = {"type": "string", "pattern": pattern}
-    return Value(read, {"anyOf": [{**number, "exclusiveMinimum": 0}, positive]})
+    return Value(read, {"anyOf": [{**number, "minimum": 0, "exclusiveMinimum": 0}, positive]})
 
 
 def degrees(most: float) -> Value[float]:
@@ -188,12 +190,12 @@ COLOR = Value(
         ]
     },
 )
-COORDINATE = quantity(LENGTH)
-SIZE = above_zero(LENGTH)
+COORDINATE = quantity(LENGTH, -_FAR, _FAR)
+SIZE = above_zero(LENGTH, _FAR)
 ANGLE_VALUE = quantity(ANGLE)
-SPEED_VALUE = above_zero(SPEED)
+SPEED_VALUE = above_zero(SPEED, 1000.0)
 SHARE = quantity(RATIO, 0.0, 1.0)
-FACTOR = above_zero(RATIO)
+FACTOR = above_zero(RATIO, _FAR)
 
 
 # Lists.

@@ -16,13 +16,15 @@ from typing import Any
 from hal.sim.movers import Mover
 from hal.sim.physics import GRAVITY, STEP, State, Touches, Triple
 from hal.sim.register import Register, Solid
-from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of
+from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of, skin
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
-from worlds.things import UPRIGHT, Cuboid, Mesh, Terrain, Thing
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
 
-_RAY, _FIXED, _FREE = 1, 2, 4
-"""Groups that meet or not; Bullet's rays are of the group 1."""
+_RAY, _FIXED, _FREE, _SEEN = 1, 2, 4, 8
+"""Groups. Two bodies meet when either's mask has the other's group; a ray, which is of group 1,
+meets a body when both do.
+"""
 _GAP = 0.005
 """Bodies this near touch, metres: Bullet tells of contacts a little before."""
 _BELOW = 0.5
@@ -97,14 +99,20 @@ class Bullet:
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
         p, client = self._p, self._client
         if terrain is not None:
-            self._fix(*hills(p, client, terrain))
+            shape, middle = hills(p, client, terrain)
+            self._fix(shape, at=middle)
         pieces = [piece for each in things if each.motion is None for piece in pieces_of(each)]
+        cuboids = [piece for piece in pieces if isinstance(piece.shape, Cuboid)]
+        round_ones = [piece for piece in pieces if isinstance(piece.shape, Cylinder | Sphere)]
         # One body per sixteen shapes: each static body by itself would cost time at every step.
-        for chunk in chunks([piece for piece in pieces if not isinstance(piece.shape, Mesh)]):
-            self._fix(compound(p, client, chunk), pieces=chunk)
+        for chunk in chunks(cuboids):
+            self._fix(compound(p, client, chunk), chunk, mask=_FREE)
+            self._fix(skin(p, client, chunk), chunk, group=_SEEN, mask=_RAY)
+        for chunk in chunks(round_ones):
+            self._fix(compound(p, client, chunk), chunk)
         for piece in pieces:
             if isinstance(piece.shape, Mesh):
-                self._fix(mesh(p, client, piece), pieces=[piece])
+                self._fix(mesh(p, client, piece), [piece])
         for each in things:
             if each.motion is not None:
                 for chunk in chunks(pieces_of(each)):
@@ -112,12 +120,20 @@ class Bullet:
                     self._settle(mover.body, _FIXED, _FREE | _RAY, Solid(chunk, moves=True))
                     self._movers.append(mover)
 
-    def _fix(self, shape: int, at: Point = _ORIGIN, pieces: Sequence[Piece] = ()) -> None:
+    def _fix(
+        self,
+        shape: int,
+        pieces: Sequence[Piece] = (),
+        *,
+        at: Point = _ORIGIN,
+        group: int = _FIXED,
+        mask: int = _FREE | _RAY,
+    ) -> None:
         """A static body; as a plain rigid body (maximal coordinates) it costs next to nothing."""
         body = self._p.createMultiBody(
             0, shape, -1, at, useMaximalCoordinates=1, physicsClientId=self._client
         )
-        self._settle(body, _FIXED, _FREE | _RAY, Solid(pieces))
+        self._settle(body, group, mask, Solid(pieces))
 
     def _settle(self, body: int, group: int, mask: int, solid: Solid) -> None:
         p, client = self._p, self._client
@@ -165,15 +181,16 @@ class Bullet:
 
     def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> BulletEchoes:
         hits = self._cast(starts, ends)
+        lengths = map(dist, starts, ends)
         distances = [
-            hit[2] * dist(start, end) if hit[0] >= 0 else inf
-            for hit, start, end in zip(hits, starts, ends, strict=True)
+            hit[2] * length if hit[0] >= 0 else inf
+            for hit, length in zip(hits, lengths, strict=True)
         ]
         return BulletEchoes(distances, hits, self._register)
 
     def _cast(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> Any:
         return self._p.rayTestBatch(
-            starts, ends, collisionFilterMask=_FIXED, physicsClientId=self._client
+            starts, ends, collisionFilterMask=_FIXED | _SEEN, physicsClientId=self._client
         )
 
     def close(self) -> None:

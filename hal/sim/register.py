@@ -10,7 +10,6 @@ from hal.sim.shapes import Piece
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import distance_to
 
-
 _CELLS = 50
 """A metre in cells of two centimetres."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 from vencejo.geometry import Point, Quaternion, turned
@@ -11,6 +12,9 @@ from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Shape, Sphere, Terrai
 
 _PER_BODY = 16
 """createCollisionShapeArray silently drops every shape after the sixteenth."""
+_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+"""Corners of a cuboid, in the order that `product` gives, face by face."""
+_TRIANGLES = tuple(corner for a, b, c, d in _FACES for corner in (a, b, c, a, c, d))
 
 
 class Piece(NamedTuple):
@@ -79,20 +83,42 @@ def compound(p: Any, client: int, pieces: Sequence[Piece]) -> int:
     return number
 
 
+def skin(p: Any, client: int, pieces: Sequence[Piece]) -> int:
+    """The faces of many cuboids as one mesh, for rays: they meet triangles twice as fast as boxes.
+
+    The faces of cuboids are flat, so nothing is lost.
+    """
+    vertices: list[Point] = []
+    indices: list[int] = []
+    for piece in pieces:
+        assert isinstance(piece.shape, Cuboid)
+        indices += [len(vertices) + corner for corner in _TRIANGLES]
+        sides = piece.shape.size
+        for corner in product((-0.5, 0.5), repeat=3):
+            own = Point(*(share * side for share, side in zip(corner, sides, strict=True)))
+            vertices.append(piece.at.plus(turned(own, piece.attitude)))
+    return _triangles(p, client, vertices, indices)
+
+
+def _triangles(p: Any, client: int, vertices: Any, indices: list[int], **frame: Any) -> int:
+    number: int = p.createCollisionShape(
+        p.GEOM_MESH,
+        vertices=vertices,
+        indices=indices,
+        flags=p.GEOM_FORCE_CONCAVE_TRIMESH,
+        physicsClientId=client,
+        **frame,
+    )
+    return number
+
+
 def mesh(p: Any, client: int, piece: Piece) -> int:
     """The triangles of a mesh as they are, for a body that stands still."""
     shape = piece.shape
     assert isinstance(shape, Mesh)
-    number: int = p.createCollisionShape(
-        p.GEOM_MESH,
-        vertices=shape.vertices.tolist(),
-        indices=shape.faces.ravel().tolist(),
-        flags=p.GEOM_FORCE_CONCAVE_TRIMESH,
-        collisionFramePosition=piece.at,
-        collisionFrameOrientation=piece.attitude,
-        physicsClientId=client,
-    )
-    return number
+    frame = {"collisionFramePosition": piece.at, "collisionFrameOrientation": piece.attitude}
+    vertices, faces = shape.vertices.tolist(), shape.faces.ravel().tolist()
+    return _triangles(p, client, vertices, faces, **frame)
 
 
 def _boxed(piece: Piece) -> Piece:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise, product
-from math import ceil, dist, hypot
+from math import ceil, dist, hypot, inf
 
 from vencejo.geometry import Point
 from worlds.motion import track_of
@@ -23,7 +23,9 @@ class Skyline:
     """Heights over a grid of square cells."""
 
     def __init__(self, things: Iterable[Thing], terrain: Terrain | None) -> None:
-        self._lowest = _ROOM + (max(map(max, terrain.heights)) if terrain else 0.0)
+        self.ground = _ROOM + (max(map(max, terrain.heights)) if terrain else 0.0)
+        """Below this height a vehicle can touch the ground."""
+        self._everywhere = -inf
         self._tops: dict[tuple[int, int], float] = {}
         for thing in things:
             for low_x, low_y, high_x, high_y, top in _reaches(thing):
@@ -31,16 +33,17 @@ class Skyline:
 
     def _raise(self, low_x: float, low_y: float, high_x: float, high_y: float, top: float) -> None:
         if max(high_x - low_x, high_y - low_y) > _LARGE:
-            self._lowest = max(self._lowest, top)
+            self._everywhere = max(self._everywhere, top)
+            self._tops = {cell: max(top, high) for cell, high in self._tops.items()}
             return
         columns = range(int(low_x // _CELL), int(high_x // _CELL) + 1)
         rows = range(int(low_y // _CELL), int(high_y // _CELL) + 1)
         for cell in product(columns, rows):
-            self._tops[cell] = max(top, self._tops.get(cell, top))
+            self._tops[cell] = max(top, self._tops.get(cell, self._everywhere))
 
-    def reached_by(self, x: float, y: float, z: float) -> bool:
-        """Whether a vehicle there can touch something in this mission period."""
-        return z < self._lowest or z < self._tops.get((int(x // _CELL), int(y // _CELL)), z)
+    def thing_near(self, x: float, y: float, z: float) -> bool:
+        """Whether a vehicle there can touch a thing in this mission period."""
+        return z < self._tops.get((int(x // _CELL), int(y // _CELL)), self._everywhere)
 
 
 def _reaches(thing: Thing) -> Iterator[tuple[float, float, float, float, float]]:

@@ -91,8 +91,8 @@ class SimVehicle:
         self._battery = Battery(airframe, charge)
         self._noise = noise
         self._skyline = skyline
-        self._near = True
-        """Whether there is something to touch in this mission period."""
+        self._beside = True
+        """Whether there are things to touch in this mission period."""
         self._carrier: Triple | None = None
         """The velocity of what is below it and touches it."""
         self._bumps = Bumps()
@@ -325,7 +325,7 @@ class SimVehicle:
         """Begin a mission period."""
         self._controller.plan(self._state)
         skyline = self._skyline
-        self._near = skyline is None or skyline.reached_by(*self._state[0])
+        self._beside = skyline is None or skyline.thing_near(*self._state[0])
         self._carrier = None
 
     def drive(self) -> None:
@@ -339,7 +339,11 @@ class SimVehicle:
         """See where the step has led."""
         self._state = self._body.state()
         self._keep(self._state)
-        if self._near and (self._armed or self._mode != "landed"):
+        if self._beside:
+            self._feel()
+
+    def _feel(self) -> None:
+        if self._armed or self._mode != "landed":
             self._carrier, beside = self._body.touches()
             self._bumps.feel(beside)
 
@@ -351,6 +355,9 @@ class SimVehicle:
         self._controller.acceleration = (0.0, 0.0, 0.0)
         self._battery.drain(self._thrust / STEPS, PERIOD)
         self._thrust = 0.0
+        skyline = self._skyline
+        if skyline is not None and not self._beside and self._state[0][2] < skyline.ground:
+            self._feel()  # the ground is not bumped into: to look for it once is enough
         self._bumps.end_period()
         if self._mode == "landed" and not self._armed:
             return

@@ -86,7 +86,16 @@ def test_worlds_are_listed_and_shown() -> None:
         assert run_cli("worlds", name).code == 0
     beacons = json.loads(run_cli("worlds", "beacons", "--json").out)
     assert [5.0, 0.0, 3.0] in beacons["places"].values()
+    assert beacons["things"] == {"beacon": ["b1", "b2", "b3"]}
     assert run_cli("worlds", "yrad").code == 2
+
+
+def test_a_world_is_shown_by_its_contents() -> None:
+    out = run_cli("worlds", "forest:3").out
+    assert "tree  tree_1, tree_2, tree_3" in out and "more" in out
+    town = json.loads(run_cli("worlds", "road_town", "--json").out)
+    assert town["things"]["road"] == ["main", "west", "branch"]
+    assert "roads" in run_cli("worlds").out.partition("by number")[2]
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

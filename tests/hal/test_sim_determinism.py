@@ -8,6 +8,8 @@ import sys
 from hashlib import sha256
 from pathlib import Path
 
+import pytest
+
 from hal.sim import open_session
 from hal.vehicle import Hold, Options, Position, Velocity
 from vencejo.geometry import Point
@@ -15,10 +17,10 @@ from vencejo.geometry import Point
 ROOT = Path(__file__).parents[2]
 
 
-def flight(seed: int, noise: float = 1.0, looks: int = 1) -> str:
+def flight(seed: int, noise: float = 1.0, looks: int = 1, world: str = "yard") -> str:
     """The digest of all that two vehicles report in a flight that touches much."""
     digest = sha256()
-    options = Options(("cat", "mouse"), "yard", seed, settings={"noise": noise})
+    options = Options(("cat", "mouse"), world, seed, settings={"noise": noise})
     with open_session(options) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
         cat.takeoff(2.0)
@@ -43,6 +45,11 @@ def flight(seed: int, noise: float = 1.0, looks: int = 1) -> str:
 
 def test_the_same_seed_is_the_same_flight() -> None:
     assert flight(7) == flight(7)
+
+
+@pytest.mark.parametrize("world", ["pursuit", "forest:3"])
+def test_the_same_world_is_the_same_flight(world: str) -> None:
+    assert flight(7, world=world) == flight(7, world=world)
 
 
 def test_looking_often_changes_nothing() -> None:

@@ -146,6 +146,25 @@ def test_a_mesh_is_solid_as_it_is(physics: Bullet, tmp_path: Path) -> None:
     assert [echoes.name(k) for k in range(4)] == ["roof", "roof", "roof", ""]
 
 
+def test_a_model_is_solid_as_it_looks(physics: Bullet, tmp_path: Path) -> None:
+    (tmp_path / "lamp.urdf").write_text(
+        '<robot name="lamp"><link name="foot"><visual><geometry>'
+        '<cylinder radius="0.5" length="2"/></geometry></visual></link>'
+        '<joint name="j" type="fixed"><parent link="foot"/><child link="arm"/>'
+        '<origin xyz="0 0 2"/></joint><link name="arm"><visual><geometry>'
+        '<box size="3 0.2 0.2"/></geometry></visual></link></robot>'
+    )
+    (lamp,) = read_world(
+        KEEP_AWAY + "models: {lamp: {at: [5, 0, 1], file: lamp.urdf, heading: 90 deg}}",
+        str(tmp_path / "w.yaml"),
+    ).things
+    physics.add_things([lamp])
+    spots = [(5.3, 0), (5, 1.4), (6.4, 0)]
+    echoes = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [9 - d for d in echoes.distances] == pytest.approx([2, 3.1, 0], abs=1e-6)
+    assert [echoes.name(ray) for ray in range(3)] == ["lamp", "lamp", ""]
+
+
 def test_hills_are_ground(physics: Bullet) -> None:
     heights = ((0.0,) * 4, (0.0, 1.0, 3.0, 0.0), (0.0, 0.0, 2.0, 0.0), (0.0,) * 4)
     physics.add_things([], Terrain(heights, 30.0))
@@ -252,7 +271,7 @@ def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
     free = 0
     for _ in range(800):
         place = Point(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(0, 7))
-        if not skyline.reached_by(*place):
+        if not skyline.thing_near(*place):
             free += 1
             for thing in solid:
                 low, high = bounds_of(thing.parts[0].shape, thing.at, thing.attitude)
@@ -263,9 +282,22 @@ def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
 
 def test_a_skyline_follows_what_moves() -> None:
     skyline = Skyline([pad(1.0)], None)
-    assert skyline.reached_by(6, 3, 2.4) and skyline.reached_by(0, 0, 1.5)
-    assert not skyline.reached_by(6, 3, 3.0) and not skyline.reached_by(30, 3, 1.0)
-    assert Skyline([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).reached_by(50, 0, 4.0)
+    assert skyline.thing_near(6, 3, 2.4) and skyline.thing_near(0, 0, 1.5)
+    assert not skyline.thing_near(6, 3, 3.0) and not skyline.thing_near(30, 3, 1.0)
+
+
+def test_what_is_very_long_counts_everywhere() -> None:
+    wall = things("walls: {w: {through: [[0, 0], [900, 0]], height: 3}}")
+    hut = things("boxes: {b: {at: [5, 5], size: [1, 1, 1]}}")
+    for order in ((*wall, *hut), (*hut, *wall)):
+        skyline = Skyline(order, None)
+        assert skyline.thing_near(5, 5, 3.5) and skyline.thing_near(-700, 3, 3.5)
+        assert not skyline.thing_near(5, 5, 3.7)
+
+
+def test_the_ground_ends_above_the_highest_hill() -> None:
+    assert Skyline([], None).ground == pytest.approx(0.6)
+    assert Skyline([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).ground > 4.0
 
 
 def test_a_touch_is_new_once_until_it_is_over() -> None:

@@ -84,6 +84,7 @@ OTHER_FAULTS = [
     (W + "battery: 120 %\n", ["2:10 out-of-range"]),
     (W + "origin: {lat: 1, lon: -181 deg}\n", ["2:23 out-of-range"]),
     (W + "boxes: {a: {at: [9, 9], size: [1, 1, 1e999]}}\n", ["2:38 out-of-range"]),
+    (W + "places: {p: [1, 2, 100001 m]}\n", ["2:20 out-of-range"]),
     # Names.
     (W + "beacons: {b: {at: [1, 2, 3]}}\nplaces: {b: [1, 2, 3]}\n", ["3:10 duplicate-name"]),
     (W + "places: {b: [1, 2, 3], b: [4, 5, 6]}\n", ["2:24 duplicate-key"]),
