@@ -19,6 +19,8 @@ _STRETCH = 0.75
 """Between detail for the length of a pixel's footprint (1) and for its width (0)."""
 _THINNEST = 6
 """Pixels that a band is high at least."""
+_WORTH_TURNING = 30_000
+"""Pixels of a band from which on a turned copy of its patch saves time."""
 _LARGEST = 14
 """Tiles along a patch at most."""
 
@@ -179,7 +181,8 @@ class GroundPainter:
         move = np.array([[1.0, 0.0, left], [0.0, 1.0, top], [0.0, 0.0, 1.0]])
         way, texels = to_patch @ view.to_ground @ move, patch.texels
         x, y, w = (way @ ((right - left) / 2, (bottom - top) / 2, 1.0)).tolist()
-        if abs(way[1, 0] * w - y * way[2, 0]) > abs(way[0, 0] * w - x * way[2, 0]):
+        large = (right - left) * (bottom - top) > _WORTH_TURNING
+        if large and abs(way[1, 0] * w - y * way[2, 0]) > abs(way[0, 0] * w - x * way[2, 0]):
             way, texels = way[[1, 0, 2]], patch.turned
         return np.asarray(
             cv2.warpPerspective(

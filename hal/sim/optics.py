@@ -15,6 +15,7 @@ from vencejo.errors import UserError
 from vencejo.seeds import generator
 
 Pixels = NDArray[np.uint8]
+Floats = NDArray[np.float32]
 
 _ROOM = 128
 """Pixels by which the field of noise is larger than a picture, to be shifted about in."""
@@ -29,7 +30,7 @@ class Optics:
         """Raises UserError for a distortion that bends the picture's edge out of all measure."""
         self.pinhole: Intrinsics = spec.intrinsics
         """What the renderer is to draw."""
-        self._maps: tuple[NDArray[np.int16], NDArray[np.uint16]] | None = None
+        self._maps: tuple[Floats, Floats] | None = None
         if any(spec.distortion):
             self.pinhole, self._maps = _behind(spec.intrinsics)
         self._seed = seed
@@ -40,16 +41,21 @@ class Optics:
         """The camera's picture of that number, from those of one exposure; read-only."""
         image = pictures[0] if len(pictures) == 1 else _mean(pictures)
         if self._maps is not None:
-            image = np.asarray(
-                cv2.remap(image, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE),
-                np.uint8,
+            # With four channels and float maps it takes half the time.
+            bent = cv2.remap(
+                cv2.cvtColor(image, cv2.COLOR_BGR2BGRA),
+                *self._maps,
+                cv2.INTER_LINEAR,
+                borderMode=cv2.BORDER_REPLICATE,
             )
+            image = np.asarray(cv2.cvtColor(bent, cv2.COLOR_BGRA2BGR), np.uint8)
         if self._noise is not None:
             draw = generator(self._seed, *self._names, str(sequence))
             down, right = draw.randrange(_ROOM), draw.randrange(_ROOM)
             height, width = image.shape[:2]
-            noise = self._noise[down : down + height, right : right + width]
-            image = np.asarray(cv2.add(image, noise, dtype=cv2.CV_8U), np.uint8)
+            part = np.s_[down : down + height, right : right + width]
+            brighter, darker = (half[part] for half in self._noise)
+            image = np.asarray(cv2.subtract(cv2.add(image, brighter), darker), np.uint8)
         image.flags.writeable = False
         return image
 
@@ -61,7 +67,7 @@ def _mean(pictures: Sequence[Pixels]) -> Pixels:
     return np.asarray(cv2.convertScaleAbs(total, alpha=1 / len(pictures)), np.uint8)
 
 
-def _behind(lens: Intrinsics) -> tuple[Intrinsics, tuple[NDArray[np.int16], NDArray[np.uint16]]]:
+def _behind(lens: Intrinsics) -> tuple[Intrinsics, tuple[Floats, Floats]]:
     """The pinhole camera that sees all that a distorted one does, and the way from one to other."""
     matrix = np.array([[lens.fx, 0, lens.cx], [0, lens.fy, lens.cy], [0, 0, 1.0]])
     x, y = np.meshgrid(np.arange(lens.width), np.arange(lens.height))
@@ -90,16 +96,19 @@ def _behind(lens: Intrinsics) -> tuple[Intrinsics, tuple[NDArray[np.int16], NDAr
         )
     wide = Intrinsics(width, height, lens.fx, lens.fy, float(-left), float(-top))
     places = (rays * (lens.fx, lens.fy) - (left, top)).astype(np.float32)
-    one, two = cv2.convertMaps(places[..., 0], places[..., 1], cv2.CV_16SC2)
-    return wide, (np.asarray(one, np.int16), np.asarray(two, np.uint16))
+    return wide, (places[..., 0].copy(), places[..., 1].copy())
 
 
-def _field(spec: CameraSpec, seed: int, names: tuple[str, ...]) -> NDArray[np.int16]:
-    """Normal noise, larger than a picture; drawn once, since drawing it anew takes milliseconds."""
+def _field(spec: CameraSpec, seed: int, names: tuple[str, ...]) -> tuple[Pixels, Pixels]:
+    """Normal noise, larger than a picture: what to add, and what to take away.
+
+    Drawn once, since drawing it anew for each picture takes milliseconds.
+    """
     shape = spec.height + _ROOM, spec.width + _ROOM, 3
     count = shape[0] * shape[1] * shape[2]
     drawn = np.frombuffer(generator(seed, *names, "noise").randbytes(2 * count), np.uint16)
     normal = NormalDist(0.0, spec.noise)
     steps = 4096
     table = np.array([normal.inv_cdf((k + 0.5) / steps) for k in range(steps)])
-    return np.asarray(np.rint(table)[drawn % steps].astype(np.int16).reshape(shape))
+    noise = np.clip(np.rint(table)[drawn % steps], -255, 255).reshape(shape)
+    return np.maximum(noise, 0).astype(np.uint8), np.maximum(-noise, 0).astype(np.uint8)
