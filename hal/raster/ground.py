@@ -17,7 +17,7 @@ Pixels = NDArray[np.uint8]
 
 _STRETCH = 0.75
 """Between detail for the length of a pixel's footprint (1) and for its width (0)."""
-_THINNEST = 6
+_THINNEST = 10
 """Pixels that a band is high at least."""
 _WORTH_TURNING = 30_000
 """Pixels of a band from which on a turned copy of its patch saves time."""
@@ -49,14 +49,23 @@ class _Patch:
         )
 
 
+_Polygon = list[tuple[float, float, float]]
+"""Corners: x and y in pixels, and how far a ray of depth 1 falls there, metres."""
+
+
 @dataclass(frozen=True, eq=False)
 class Band:
     """A part of the picture that shows the ground at one level of detail."""
 
-    corners: Array
-    """Convex polygon in pixels, (n, 2)."""
+    polygon: _Polygon
+    """Convex, in pixels."""
     level: int | None
     """None for the plain ground at the horizon."""
+
+    @property
+    def corners(self) -> Array:
+        """(n, 2), pixels."""
+        return np.array(self.polygon)[:, :2]
 
 
 class GroundView:
@@ -86,21 +95,28 @@ class GroundView:
         """The bands of a picture, from the horizon down."""
         if self.height <= 0:
             return []
-        frame = np.array([[-1.0, -1.0], [-1.0, height], [width, height], [width, -1.0]])
-        falls = frame @ self.fall[:2] + self.fall[2]
-        if falls.max() <= 0:
+        a, b, c = self.fall.tolist()
+        corners = (-1.0, -1.0), (-1.0, float(height)), (float(width), float(height)), (width, -1.0)
+        rest: _Polygon = [(x, y, a * x + b * y + c) for x, y in corners]
+        steepest = max(fall for _, _, fall in rest)
+        if steepest <= 0:
             return []
         found: list[Band] = []
-        per_pixel = hypot(self.fall[0], self.fall[1])
+        per_pixel = hypot(a, b)
         upper, coarsest = self.height / self._depth(LEVELS), LEVELS - 1
-        self._add(found, frame, falls, 0.0, upper, None)
+        _, rest = _split(rest, 0.0)
+        plain, rest = _split(rest, upper)
+        if len(plain) >= 3:
+            found.append(Band(plain, None))
         for level in range(LEVELS - 1, -1, -1):
             near = self._depth(level) if level else 0.0
             lower = self.height / near if near else inf
-            last = lower >= falls.max()
+            last = lower >= steepest
             # Towards the horizon several levels share a band: each costs time.
             if last or lower - upper > _THINNEST * per_pixel:
-                self._add(found, frame, falls, upper, lower, (level + coarsest + 1) // 2)
+                band, rest = (rest, []) if last else _split(rest, lower)
+                if len(band) >= 3:
+                    found.append(Band(band, (level + coarsest + 1) // 2))
                 upper, coarsest = lower, level - 1
             if last:
                 break
@@ -114,35 +130,20 @@ class GroundView:
             return float(reach)
         return float((reach * stretched**_STRETCH) ** (1 / (1 + _STRETCH)))
 
-    def _add(
-        self,
-        found: list[Band],
-        frame: Array,
-        falls: Array,
-        low: float,
-        high: float,
-        level: int | None,
-    ) -> None:
-        polygon = _between(frame, falls, low, high)
-        if len(polygon) >= 3:
-            found.append(Band(polygon, level))
 
-
-def _between(frame: Array, falls: Array, low: float, high: float) -> Array:
-    """The part of a convex polygon where a linear function lies between two values."""
-    points = [(float(x), float(y), float(f)) for (x, y), f in zip(frame, falls, strict=True)]
-    for bound, sign in ((low, 1.0), (high, -1.0)):
-        kept: list[tuple[float, float, float]] = []
-        for k, (x, y, f) in enumerate(points):
-            px, py, pf = points[k - 1]
-            inside, was_inside = sign * (f - bound) >= 0, sign * (pf - bound) >= 0
-            if inside != was_inside:
-                share = (bound - pf) / (f - pf)
-                kept.append((px + share * (x - px), py + share * (y - py), bound))
-            if inside:
-                kept.append((x, y, f))
-        points = kept
-    return np.array([(x, y) for x, y, _ in points]).reshape(-1, 2)
+def _split(polygon: _Polygon, bound: float) -> tuple[_Polygon, _Polygon]:
+    """The parts of a convex polygon below and above a value of its third coordinate."""
+    below: _Polygon = []
+    above: _Polygon = []
+    for k, (x, y, f) in enumerate(polygon):
+        px, py, pf = polygon[k - 1]
+        if (f >= bound) != (pf >= bound):
+            share = (bound - pf) / (f - pf)
+            point = (px + share * (x - px), py + share * (y - py), bound)
+            below.append(point)
+            above.append(point)
+        (above if f >= bound else below).append((x, y, f))
+    return below, above
 
 
 class GroundPainter:
@@ -170,16 +171,16 @@ class GroundPainter:
                 into[:] = plain
             return plain
         patch = self._patch(view, band, band.level)
-        texel = FINEST * 2**band.level
-        to_patch = np.array(
-            [
-                [1 / texel, 0.0, -patch.column * SIDE - 0.5],
-                [0.0, 1 / texel, -patch.row * SIDE - 0.5],
-                [0.0, 0.0, 1.0],
-            ]
-        )
-        move = np.array([[1.0, 0.0, left], [0.0, 1.0, top], [0.0, 0.0, 1.0]])
-        way, texels = to_patch @ view.to_ground @ move, patch.texels
+        # From a pixel of the box to the ground, and on to the texel of the patch.
+        texel, (g, h, i) = FINEST * 2**band.level, view.to_ground_rows[2]
+        i += g * left + h * top
+        rows = []
+        for (a, b, c), begin in zip(
+            view.to_ground_rows, (patch.column * SIDE + 0.5, patch.row * SIDE + 0.5), strict=False
+        ):
+            c = (c + a * left + b * top) / texel - begin * i
+            rows.append([a / texel - begin * g, b / texel - begin * h, c])
+        way, texels = np.array([*rows, [g, h, i]]), patch.texels
         x, y, w = (way @ ((right - left) / 2, (bottom - top) / 2, 1.0)).tolist()
         large = (right - left) * (bottom - top) > _WORTH_TURNING
         if large and abs(way[1, 0] * w - y * way[2, 0]) > abs(way[0, 0] * w - x * way[2, 0]):
@@ -201,7 +202,7 @@ class GroundPainter:
         (a, b, c), (d, e, f), (g, h, i) = view.to_ground_rows
         places = [
             ((a * x + b * y + c) / w, (d * x + e * y + f) / w)
-            for x, y in band.corners.tolist()
+            for x, y, _ in band.polygon
             for w in [(g * x + h * y + i) * side]
         ]
         x, y = [place[0] for place in places], [place[1] for place in places]
