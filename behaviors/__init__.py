@@ -16,6 +16,7 @@ from behaviors.params import (
     value,
 )
 from behaviors.pilot import Pilot
+from behaviors.trust import trusted
 from behaviors.vocabulary import drone_vocabulary
 from behaviors.watch import Thresholds
 from fsm.vocabulary import Outcome
@@ -43,5 +44,6 @@ __all__ = [
     "load_all",
     "load_uses",
     "param",
+    "trusted",
     "value",
 ]

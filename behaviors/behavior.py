@@ -62,7 +62,12 @@ class Behavior:
 
 def name_of(behavior: type[Behavior]) -> str:
     """The word after ``do:`` for a class."""
-    return behavior.name or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", behavior.__name__).lower()
+    return behavior.name or snake_case(behavior.__name__)
+
+
+def snake_case(name: str) -> str:
+    """``FlyCircle`` as ``fly_circle``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def describe(behavior: type[Behavior], name: str = "") -> BehaviorInfo:

@@ -17,6 +17,7 @@ from behaviors.behavior import Behavior, describe
 from fsm.vocabulary import Behavior as BehaviorInfo
 from fsm.vocabulary import Function
 from vencejo.errors import UserError, Where, nearest
+from vencejo.files import file_inside
 from vencejo.nodes import Scalar
 
 GROUP = "vencejo.behaviors"
@@ -61,11 +62,11 @@ def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
     found: Own = {}
     seen: set[Path] = set()
     for scalar, folder in files:
-        path = (folder / scalar.text).resolve()
+        path = path_of(scalar, folder)
         if path in seen:
             continue
         seen.add(path)
-        for info in _contents(scalar, folder):
+        for info in _contents(scalar, path):
             what = "behaviour" if isinstance(info, BehaviorInfo) else "function"
             if info.name in Catalog() or info.name in found:
                 raise UserError(
@@ -80,20 +81,19 @@ def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
     return found
 
 
-def _contents(scalar: Scalar, folder: Path) -> list[BehaviorInfo | Function]:
+def path_of(scalar: Scalar, folder: Path) -> Path:
+    """The file that a mission names under ``uses``. Raises UserError when it may not be used."""
     name, where = scalar.text, scalar.where
-    path = (folder / name).resolve()
-    if not path.is_relative_to(folder.resolve()):
-        raise UserError(
-            "outside-folder",
-            f"'{name}' lies outside the mission's folder",
-            where,
-            "a mission may only use Python that lies beside it",
-        )
+    path = file_inside(folder, scalar, "Python that a mission uses")
     if not path.is_file():
         files = [str(file.relative_to(folder)) for file in folder.glob("*.py")]
         hint = nearest(name, files, None if files else "no Python file lies beside the mission")
         raise UserError("no-such-file", f"there is no file '{name}'", where, hint)
+    return path
+
+
+def _contents(scalar: Scalar, path: Path) -> list[BehaviorInfo | Function]:
+    name, where = scalar.text, scalar.where
     module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
     spec = importlib.util.spec_from_file_location(module_name, path)
     if spec is None or spec.loader is None:

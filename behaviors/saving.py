@@ -10,12 +10,12 @@ from behaviors.pilot import Pilot
 from behaviors.watch import Thresholds
 from fsm.graph import Graph
 from fsm.packing import pack, unpack
-from fsm.saving import load, save
+from fsm.saving import TORN, load, save
 from hal.vehicle import Position, Vehicle
 from vencejo.errors import UserError
 from vencejo.geometry import Point
 
-PARTS = {"origin", "watch", "rng", "last", "outcome", "reason", "ended_at"}
+PARTS = {"origin", "watch", "rng", "last", "outcome", "reason", "ended_at", "landing"}
 
 
 def save_flight(pilot: Pilot) -> dict[str, Any]:
@@ -31,6 +31,7 @@ def save_flight(pilot: Pilot) -> dict[str, Any]:
             "outcome": pilot.outcome,
             "reason": pilot.reason,
             "ended_at": pilot._ended_at,
+            "landing": pilot._landing_asked if pilot.landing else None,
         },
     }
 
@@ -47,15 +48,31 @@ def resume_flight(
     """A pilot that goes on with a saved flight. Raises UserError (see fsm.saving.restore)."""
     known = saved.get("pilot")
     if not isinstance(known, Mapping) or known.keys() != PARTS:
-        hint = "name a file of a flight, or start the mission anew"
-        raise UserError("torn-save", "this is no whole saved flight", hint=hint)
-    frame = MissionFrame(unpack(known["origin"]), places, geographic)
-    pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
+        raise _torn()
+    try:
+        frame = MissionFrame(unpack(known["origin"]), places, geographic)
+        pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
+        _go_on(pilot, known)
+    except TORN:
+        raise _torn() from None
     load(pilot.instance, saved)
+    if known["landing"] is not None:
+        # The vehicle is at it already: this gives the order back.
+        pilot.landing = vehicle.land()
+    return pilot
+
+
+def _go_on(pilot: Pilot, known: Mapping[str, Any]) -> None:
     pilot._watch.go_on(known["watch"])
     pilot.flight.rng.setstate(unpack(known["rng"]))
     if known["last"] is not None:
         pilot._last = Position(*unpack(known["last"]))
     pilot.outcome, pilot.reason = known["outcome"], known["reason"]
     pilot._ended_at = known["ended_at"]
-    return pilot
+    if known["landing"] is not None:
+        pilot._landing_asked = float(known["landing"])
+
+
+def _torn() -> UserError:
+    hint = "name a file of a flight, or start the mission anew"
+    return UserError("torn-save", "this is no whole saved flight", hint=hint)

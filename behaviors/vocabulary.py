@@ -13,6 +13,13 @@ from vencejo.geometry import Point
 from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME
 
 URGENT = ("operator.*", "battery.*", "link.*", "position.lost", "geofence.breach")
+MUST_LAND = (
+    "operator.abort",
+    "battery.critical",
+    "link.lost",
+    "position.lost",
+    "geofence.breach",
+)
 EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
     {
         "operator.abort": {},
@@ -127,5 +134,6 @@ def drone_vocabulary(
         events=EVENTS,
         urgent=URGENT,
         reactions=dict(REACTIONS),
+        must_land=MUST_LAND,
         places=None if places is None else frozenset(places),
     )

@@ -6,15 +6,9 @@ import subprocess
 import sys
 
 BENCHMARKS = (
-    "first_flight",
-    "startup",
-    "hold",
-    "gotos",
-    "latency",
-    "conformance",
-    "worlds",
-    "cameras",
-)
+    "first_flight", "startup", "hold", "gotos", "latency", "engine", "conformance", "safety",
+    "worlds", "cameras",
+)  # fmt: skip
 
 for name in BENCHMARKS:
     print(flush=True)

@@ -2,8 +2,8 @@
 
 All active atomic states are compared, as a set, at the start and after every event. The cases are
 found in the folder that VENCEJO_CONFORMANCE names, or in ../shared/conformance beside the
-checkout. With ``--peers`` python-statemachine is installed into a throw-away environment and runs
-the same cases. Engines that need a translation of the cases are not compared yet.
+checkout. With ``--peers`` other engines are installed into a throw-away environment and run the
+same cases; where one has no words for what a case says, that is counted apart.
 
     python -m bench.conformance [--json] [--peers]
 """
@@ -16,7 +16,6 @@ import subprocess
 import sys
 import tempfile
 import venv
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -76,16 +75,23 @@ def _difference(instance: Instance, after: str, expected: list[str]) -> str:
     return "" if active == sorted(expected) else f"after {after}: {active}, not {sorted(expected)}"
 
 
-PEER = "python-statemachine==3.2.2"
+PEERS = (
+    "python-statemachine==3.2.2",
+    "sismic==1.6.14",
+    "transitions==0.9.3",
+    "xstate-statemachine==0.11.0",
+)
+CANNOT = "cannot"
+"""How a peer's answer begins that has no words for a case."""
 
 
-def peer_verdicts() -> dict[str, str]:
-    """What went wrong in each case in the other engine."""
+def peer_verdicts() -> dict[str, dict[str, str]]:
+    """What went wrong in each case, by engine."""
     with tempfile.TemporaryDirectory() as folder:
         venv.create(folder, with_pip=True)
         python = str(Path(folder) / "bin" / "python")
-        subprocess.run([python, "-m", "pip", "--quiet", "install", PEER], check=True)
-        script = str(Path(__file__).parent / "conformance_peer.py")
+        subprocess.run([python, "-m", "pip", "--quiet", "install", *PEERS], check=True)
+        script = str(Path(__file__).parent / "conformance_peers.py")
         done = subprocess.run(
             [python, script, str(FOLDER)],
             input="\n".join(cases()),
@@ -93,31 +99,43 @@ def peer_verdicts() -> dict[str, str]:
             text=True,
             check=True,
         )
-    found: dict[str, str] = json.loads(done.stdout.splitlines()[-1])
-    return found
+    found: dict[str, dict[str, str]] = json.loads(done.stdout.splitlines()[-1])
+    return {peer: found[peer.partition("==")[0]] for peer in PEERS}
 
 
 def measure(peers: bool = False) -> dict[str, Any]:
     """Passed and failed of each group."""
-    result = _table({case: verdict(case) for case in cases()})
+    found = {case: verdict(case) for case in cases()}
+    if not found:
+        return {"cases": 0, "machine": machine()}
+    result = _table(found)
     if peers:
-        result["peers"] = {PEER: _table(peer_verdicts())}
+        result["peers"] = {peer: _table(found) for peer, found in peer_verdicts().items()}
     return {**result, "machine": machine()}
 
 
 def _table(verdicts: dict[str, str]) -> dict[str, Any]:
-    total = Counter(case.split("/")[0] for case in verdicts)
-    passed = Counter(case.split("/")[0] for case, wrong in verdicts.items() if not wrong)
+    groups: dict[str, list[int]] = {}
+    for case, wrong in sorted(verdicts.items()):
+        passed, cannot, total = groups.get(case.split("/")[0], (0, 0, 0))
+        counts = [passed + (not wrong), cannot + wrong.startswith(CANNOT), total + 1]
+        groups[case.split("/")[0]] = counts
+    passed, cannot, total = (sum(counts) for counts in zip(*groups.values(), strict=True))
     return {
-        "cases": len(verdicts),
-        "passed": sum(passed.values()),
-        "groups": {group: [passed[group], count] for group, count in sorted(total.items())},
+        "cases": total,
+        "passed": passed,
+        "cannot": cannot,
+        "groups": groups,
         "failed": {
             case: ("disputed; " if case in DISPUTED else "") + wrong
             for case, wrong in verdicts.items()
             if wrong
         },
     }
+
+
+def _cell(passed: int, cannot: int) -> str:
+    return f"{passed} ({cannot} {CANNOT})" if cannot else f"{passed}"
 
 
 def main() -> None:
@@ -131,11 +149,11 @@ def main() -> None:
     columns = {"vencejo": result, **result.get("peers", {})}
     print(f"conformance, SCXML test framework, {result['machine']}")
     print(f"  {'passed':32}  of {' '.join(f'{name:>26}' for name in columns)}")
-    for group, (_, count) in result["groups"].items():
-        passed = " ".join(f"{table['groups'][group][0]:26}" for table in columns.values())
-        print(f"  {group:32} {count:3} {passed}")
-    passed = " ".join(f"{table['passed']:26}" for table in columns.values())
-    print(f"  {'all':32} {result['cases']:3} {passed}")
+    for group, (_, _, count) in result["groups"].items():
+        cells = (_cell(*table["groups"][group][:2]) for table in columns.values())
+        print(f"  {group:32} {count:3} {' '.join(f'{cell:>26}' for cell in cells)}")
+    cells = (_cell(table["passed"], table["cannot"]) for table in columns.values())
+    print(f"  {'all':32} {result['cases']:3} {' '.join(f'{cell:>26}' for cell in cells)}")
     for case, wrong in result["failed"].items():
         print(f"  {case}: {wrong}")
 

@@ -3,74 +3,161 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import click
 
 from cli import missions
-from cli.fleet import faults_of_fleet
+from cli.fleet import check_fleet_file
 from cli.options import MissionName
 from cli.prepare import prepare
+from fsm import Graph
 from fsm.reader import FLEET
+from hal import backend_capabilities
 from vencejo.errors import Fault, UserError
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was found in one mission."""
+
+    mission: str
+    faults: tuple[Fault, ...]
+    graphs: tuple[Graph, ...] = ()
+    """What it became; of a fleet those that have no error, of a mission with errors none."""
+    fleet: bool = False
+
+    @property
+    def states(self) -> int:
+        return sum(len(graph.nodes) - 1 for graph in self.graphs)
+
+    def of(self, severity: str) -> list[Fault]:
+        return [fault for fault in self.faults if fault.severity == severity]
+
+    def wrong(self, strict: bool) -> bool:
+        return bool(self.faults if strict else self.of("error"))
+
+    def counts(self) -> str:
+        """``2 errors, 1 warning``; empty when there are none."""
+        numbers = {word: len(self.of(word)) for word in ("error", "warning")}
+        return ", ".join(f"{n} {word}{'s'[: n > 1]}" for word, n in numbers.items() if n)
 
 
 @click.command()
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
 @click.option("--world", metavar="NAME|FILE", help="Check against another world.")
+@click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
+@click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
-def check(missions_: tuple[str, ...], world: str | None, strict: bool, as_json: bool) -> None:
+def check(
+    missions_: tuple[str, ...],
+    world: str | None,
+    backend: str | None,
+    strict: bool,
+    no_code: bool,
+    as_json: bool,
+) -> None:
     """Check MISSIONs: files, or names as for `run`.
 
-    All mistakes of a file are reported at once, with file:line:column and a hint. Exit code: 0
-    all may fly, 2 at least one may not.
+    All mistakes of a file are reported at once, with file:line:column and a hint, the errors
+    before the warnings; under GitHub Actions as annotations too. With --no-code a mission's own
+    behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
     """
-    reports = [_report(mission, world) for mission in missions_]
-    wrong = [
-        report
-        for report in reports
-        if any(fault.severity == "error" or strict for fault in report["faults"])
-    ]
+    reports = [_report(mission, world, not no_code) for mission in missions_]
+    if backend is not None:
+        offered = backend_capabilities(backend)
+        reports = [_compared(report, backend, offered) for report in reports]
     if as_json:
-        shown = [{**r, "faults": [_shown(f) for f in r["faults"]]} for r in reports]
-        click.echo(json.dumps(shown, ensure_ascii=False))
+        click.echo(json.dumps([_shown(report) for report in reports], ensure_ascii=False))
     else:
         for report in reports:
-            _print(report, report in wrong)
-    sys.exit(2 if wrong else 0)
+            _print(report, strict)
+    sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
 
 
-def _report(mission: str, world: str | None) -> dict[str, Any]:
+def _report(mission: str, world: str | None, code: bool) -> Report:
     try:
-        prepared = prepare(missions.find(mission), world)
+        graph = prepare(missions.find(mission), world, code=code).graph
     except UserError as error:
-        if error.code == FLEET:
-            return _fleet(mission, world)
-        return {"mission": mission, "faults": list(error.faults)}
-    graph = prepared.graph
-    return {"mission": mission, "states": len(graph.nodes) - 1, "faults": list(graph.warnings)}
-
-
-def _fleet(mission: str, world: str | None) -> dict[str, Any]:
-    try:
-        faults, states = faults_of_fleet(missions.find(mission), world)
-    except UserError as error:
-        return {"mission": mission, "faults": list(error.faults)}
-    return {"mission": mission, "states": states, "fleet": True, "faults": faults}
-
-
-def _shown(fault: Fault) -> dict[str, Any]:
-    return {**asdict(fault), "where": str(fault.where) if fault.where else None}
-
-
-def _print(report: dict[str, Any], wrong: bool) -> None:
-    for fault in report["faults"]:
-        click.echo(str(fault), err=True)
-    if wrong:
-        click.echo(f"{report['mission']}: {len(report['faults'])} to mend", err=True)
+        if error.code != FLEET:
+            return Report(mission, error.faults)
     else:
-        what = "a fleet without mistakes" if "fleet" in report else "may fly"
-        click.echo(f"{report['mission']}: {what}, {report['states']} states")
+        return Report(mission, graph.warnings, (graph,))
+    try:
+        faults, graphs = check_fleet_file(missions.find(mission), world, code=code)
+    except UserError as error:
+        return Report(mission, error.faults)
+    return Report(mission, tuple(faults), tuple(graphs), fleet=True)
+
+
+def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
+    """With what the backend lacks."""
+    missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
+    return replace(report, faults=(*missing, *report.faults))
+
+
+def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
+    """What the mission's behaviours need and a backend does not offer."""
+    return [
+        Fault(
+            "missing-capability",
+            f"'{node.invocation.behavior.name if node.invocation else node.path}' needs "
+            f"'{capability}', which the backend '{backend}' does not offer",
+            node.where,
+            f"it offers: {', '.join(sorted(offered))}",
+        )
+        for capability, node in graph.required().items()
+        if capability not in offered
+    ]
+
+
+def _shown(report: Report) -> dict[str, Any]:
+    found: dict[str, Any] = {"mission": report.mission}
+    if report.graphs or report.fleet:
+        found["states"] = report.states
+    if report.fleet:
+        found["fleet"] = True
+    faults = [
+        {**asdict(fault), "where": str(fault.where) if fault.where else None}
+        for fault in report.faults
+    ]
+    errors, warnings = len(report.of("error")), len(report.of("warning"))
+    return {**found, "errors": errors, "warnings": warnings, "faults": faults}
+
+
+def _print(report: Report, strict: bool) -> None:
+    for severity in ("error", "warning"):
+        for fault in report.of(severity):
+            click.echo(str(fault), err=True)
+            if os.environ.get("GITHUB_ACTIONS") == "true":
+                click.echo(annotation(fault, "error" if strict else severity))
+    counts = report.counts()
+    if report.wrong(strict):
+        click.echo(f"{report.mission}: {counts}", err=True)
+    else:
+        what = "a fleet without mistakes" if report.fleet else "may fly"
+        click.echo(f"{report.mission}: {what}, {report.states} states{counts and f', {counts}'}")
+
+
+def annotation(fault: Fault, severity: str) -> str:
+    """A fault as a workflow command of GitHub Actions, which shows it beside the line."""
+    where = fault.where
+    fields = {"title": fault.code}
+    if where is not None:
+        fields = {"file": where.file, **fields}
+    if where is not None and where.line:
+        fields |= {"line": str(where.line), "col": str(where.column)}
+    shown = ",".join(
+        f"{name}={_escaped(value).replace(':', '%3A').replace(',', '%2C')}"
+        for name, value in fields.items()
+    )
+    hint = f"\nhint: {fault.hint}" if fault.hint else ""
+    return f"::{severity} {shown}::{_escaped(fault.message + hint)}"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from behaviors import drone_vocabulary
 from cli.missions import Found
-from cli.prepare import uses, world_word
-from fsm import Graph, compile_mission
+from cli.prepare import vocabulary_of, world_word
+from fsm import Graph, compile_mission, prove
 from fsm.faults import Faults
 from fsm.fleet import check_fleet, read_fleet
 from vencejo.errors import Fault
 from worlds import find_world
 
 
-def faults_of_fleet(found: Found, world: str | None = None) -> tuple[list[Fault], int]:
-    """Every fault of a fleet and of its missions, and how many states these have together.
+def check_fleet_file(
+    found: Found, world: str | None = None, *, code: bool = True
+) -> tuple[list[Fault], list[Graph]]:
+    """Every fault of a fleet and of its missions, and the graphs of those that have no error.
 
     Raises UserError when the fleet's own file or its world cannot be read.
     """
@@ -22,11 +23,13 @@ def faults_of_fleet(found: Found, world: str | None = None) -> tuple[list[Fault]
     graphs: dict[str, Graph] = {}
     for member in fleet.members:
         with faults.collecting():
-            own = uses(member.spec, member.path)
-            vocabulary = drone_vocabulary(own, place.places, fleet.names)
-            graph = graphs[member.name.text] = compile_mission(member.spec, vocabulary)
-            faults.extend(graph.warnings)
+            found_here = Faults()
+            vocabulary = vocabulary_of(
+                member.spec, member.path, place, found_here, code=code, peers=fleet.names
+            )
+            graph = compile_mission(member.spec, vocabulary, found_here)
+            graphs[member.name.text] = graph
+            faults.extend((*graph.warnings, *prove(graph)))
     faults.extend(check_fleet(fleet, graphs))
     # Two vehicles may fly one mission: its faults are told once.
-    found_faults = Faults(dict.fromkeys(faults))
-    return found_faults, sum(len(graph.nodes) - 1 for graph in graphs.values())
+    return list(dict.fromkeys(faults)), list(graphs.values())

@@ -59,20 +59,36 @@ def missions(name: str | None, copy: bool, as_json: bool) -> None:
 
 
 def _list_missions(as_json: bool) -> None:
-    from fsm import read_mission
-
-    rows = []
-    for name, path in known.names().items():
-        try:
-            text = read_mission(path).description
-        except UserError as error:
-            text = f"(has a mistake: {error.faults[0].message})"
-        rows.append((name, text))
+    rows = [(name, *_about(path)) for name, path in known.names().items()]
     if as_json:
-        click.echo(json.dumps([{"mission": name, "description": text} for name, text in rows]))
+        facts = [{"mission": n, "description": text, "fleet": fleet} for n, text, fleet in rows]
+        click.echo(json.dumps(facts))
     else:
-        _table(rows)
+        _table([(name, f"(fleet) {text}" if fleet else text) for name, text, fleet in rows])
         click.echo("\ndrone-cli run NAME flies one, drone-cli missions NAME tells more.")
+
+
+def _about(path: Path) -> tuple[str, bool]:
+    """What a mission's file says of itself, and whether it is a fleet."""
+    from fsm import read_mission
+    from fsm.fleet import read_fleet
+    from fsm.reader import FLEET
+
+    try:
+        return read_mission(path).description, False
+    except UserError as error:
+        if error.code != FLEET:
+            return _mistake(error), False
+    try:
+        fleet, faults = read_fleet(path)
+        faults.raise_any()
+        return fleet.description, True
+    except UserError as error:
+        return _mistake(error), True
+
+
+def _mistake(error: UserError) -> str:
+    return f"(has a mistake: {error.faults[0].message})"
 
 
 def _copy(path: Path) -> None:

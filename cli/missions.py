@@ -38,8 +38,9 @@ def names() -> dict[str, Path]:
 def find(mission: str) -> Found:
     """The file of a mission given by path or name. Raises UserError."""
     path = Path(mission)
-    if path.exists() or "/" in mission or path.suffix in (".yaml", ".yml", ".scxml"):
-        if not path.exists():
+    there = _exists(path)
+    if there or "/" in mission or path.suffix in (".yaml", ".yml", ".scxml"):
+        if not there:
             near = (
                 [str(other) for other in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
             )
@@ -54,6 +55,13 @@ def find(mission: str) -> Found:
             hint=nearest(mission, known, "`drone-cli missions` lists those there are"),
         )
     return Found(known[mission], _short(known[mission]))
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:
+        return False  # too long a name, which nothing can have
 
 
 def _short(path: Path) -> str:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from behaviors import drone_vocabulary, load_all
+from behaviors import drone_vocabulary, load_all, trusted
 from behaviors.catalog import Own
 from cli.missions import Found
-from fsm import Graph, MissionSpec, compile_mission, read_mission
+from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
+from fsm.faults import Faults
 from fsm.scxml import Element, import_mission, is_mission, load_document, read_document
 from fsm.spec import StateSpec
+from fsm.vocabulary import Vocabulary
 from vencejo.errors import Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
@@ -33,21 +35,26 @@ class Prepared:
     """Everything the flight depends on that a person wrote, the mission first."""
 
 
-def prepare(found: Found, world: str | None = None) -> Prepared:
-    """Read and check a mission; runs the Python files it uses.
+def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Prepared:
+    """Read and check a mission; runs the Python files it uses, unless ``code`` is False.
 
     Raises UserError with every fault that was found.
     """
+    faults = Faults()
     document = read_document(found.path, found.shown_as) if _is_scxml(found) else None
-    spec = _spec(found, document)
-    folder = found.path.parent
-    word, where = world_word(spec.world, folder, world)
-    place = find_world(word, where)
-    vocabulary = drone_vocabulary(uses(spec, found.path), place.places)
+    spec = _spec(found, document, faults)
+    word, where = world_word(spec.world, found.path.parent, world)
+    place: World | None = None
+    with faults.collecting():
+        place = find_world(word, where)
+    vocabulary = vocabulary_of(spec, found.path, place, faults, code=code)
     if document is not None and not is_mission(document):
         graph = load_document(document, spec.name, vocabulary)
+        faults.raise_any()
     else:
-        graph = compile_mission(spec, vocabulary)
+        graph = compile_mission(spec, vocabulary, faults)
+        graph.warnings += tuple(prove(graph))
+    assert place is not None, "a world that is not there is a fault"
     files = (found.path, *_others(spec, found.path))
     return Prepared(found, spec, graph, place, word, files)
 
@@ -56,23 +63,42 @@ def _is_scxml(found: Found) -> bool:
     return found.path.suffix == ".scxml"
 
 
-def _spec(found: Found, document: Element | None) -> MissionSpec:
+def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec:
     """The mission as written; of a foreign document no more than its name."""
     if document is None:
-        return read_mission(found.path, found.shown_as)
+        return read_mission(found.path, found.shown_as, faults)
     if is_mission(document):
-        return import_mission(document, found.shown_as)
+        return import_mission(document, found.shown_as, found.path.parent)
     name = document.get("name") or found.path.stem
     return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound"))
 
 
-def uses(spec: MissionSpec, path: Path) -> Own:
-    """What is in the Python files that a mission and all it includes name. Runs them."""
-    return load_all(
+def vocabulary_of(
+    spec: MissionSpec,
+    path: Path,
+    world: World | None,
+    faults: Faults,
+    *,
+    code: bool = True,
+    peers: Iterable[str] | None = None,
+) -> Vocabulary:
+    """What a mission may name, with what is in the Python files that it and all it includes use.
+
+    Runs those files; what is wrong with them goes to ``faults``. When they cannot be run, or with
+    ``code`` False must not, their behaviours are taken on trust. ``world`` is None when unknown.
+    """
+    files = [
         (scalar, _path(graph, spec, path).parent)
         for graph in spec.closure()
         for scalar in graph.uses
-    )
+    ]
+    own: Own | None = None
+    if code:
+        with faults.collecting():
+            own = load_all(files)
+    if own is None:
+        own = trusted(files, faults)
+    return drone_vocabulary(own, world.places if world else None, peers)
 
 
 def _path(graph: MissionSpec, spec: MissionSpec, path: Path) -> Path:

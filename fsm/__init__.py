@@ -4,6 +4,7 @@ from fsm.compiler import compile_mission, parse_parameters
 from fsm.graph import Edge, Graph, Node
 from fsm.includes import read_mission, read_mission_text
 from fsm.machine import Event, Instance
+from fsm.safety import prove
 from fsm.spec import MissionSpec
 from fsm.vocabulary import Activity, Behavior, Host, Outcome, Parameter, Vocabulary
 
@@ -22,6 +23,7 @@ __all__ = [
     "Vocabulary",
     "compile_mission",
     "parse_parameters",
+    "prove",
     "read_mission",
     "read_mission_text",
 ]

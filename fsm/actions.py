@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
 from fsm.expressions import Compiled
@@ -14,14 +13,13 @@ from fsm.scope import Binding
 from fsm.spec import ActionSpec
 from fsm.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
 from fsm.vocabulary import Vocabulary
+from fsm.words import EVENT_NAME, SMALL_NAME
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind
 from vencejo.units import TIME
 
-_EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
 _SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
-_VEHICLE = re.compile(r"[a-z][a-z0-9_]*")
 _NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
@@ -123,6 +121,8 @@ def _mistyped(name: Scalar, message: str) -> NoReturn:
 
 def _set(spec: ActionSpec, context: Context) -> Action:
     assignments = _assignments(spec, context)
+    if len(assignments) == 1:
+        return Action("set", spec.where, _set_one(*assignments[0]))
 
     def run(instance: Any, event: dict[str, Any]) -> None:
         slots = instance.slots
@@ -133,6 +133,18 @@ def _set(spec: ActionSpec, context: Context) -> Action:
             instance.records.append(("set", {"name": variable.name, "value": value}))
 
     return Action("set", spec.where, run)
+
+
+def _set_one(variable: Binding, value: Compiled) -> Callable[[Any, dict[str, Any]], None]:
+    """What nearly every `set` does, in half the time."""
+    name, slot, function = variable.name, variable.slot, value.function
+
+    def run(instance: Any, event: dict[str, Any]) -> None:
+        slots = instance.slots
+        new = slots[slot] = bounded(function(slots, event))
+        instance.records.append(("set", {"name": name, "value": new}))
+
+    return run
 
 
 def _append(spec: ActionSpec, context: Context) -> Action:
@@ -159,7 +171,7 @@ def _fields(
 
 def _event_name(node: Node | None, where: Where) -> str:
     name = node.text if isinstance(node, Scalar) else ""
-    if not _EVENT.fullmatch(name):
+    if not EVENT_NAME.fullmatch(name):
         raise UserError("bad-event", "the name of an event with a dot is missing here", where)
     if name.startswith("error."):
         raise UserError("bad-event", f"'{name}' is not yours to raise", where)
@@ -211,7 +223,7 @@ def _receiver(node: Node | None, context: Context) -> str:
     """The vehicle an event is sent to; empty for one's own."""
     if node is None:
         return ""
-    if not isinstance(node, Scalar) or not _VEHICLE.fullmatch(node.text):
+    if not isinstance(node, Scalar) or not SMALL_NAME.fullmatch(node.text):
         raise UserError("bad-name", "`to` is the name of a vehicle of the fleet", node.where)
     if context.peers is not None and node.text not in context.peers:
         raise UserError(
@@ -239,6 +251,8 @@ def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
     parameters = function.parameters
     required = frozenset(p.name for p in parameters.values() if p.required)
     shape = MapOf({p.name: p.type for p in parameters.values()}, required)
+    if function.on_trust:
+        shape = MapOf()
     given = MapNode([], name.where) if body is None else _map(body, name.text)
     arguments = read_value(given, shape, context)
 

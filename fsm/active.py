@@ -7,16 +7,31 @@ when a domain is) is worked out at the first visit and shared by all instances.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fsm.selection import chain
 
 if TYPE_CHECKING:
-    from fsm.graph import Edge, Graph, Node
+    from fsm.graph import Edge, Graph, Node, Record
 
 MOST = 10_000
 """Configurations that are kept; beyond that all are forgotten and worked out anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What taking some transitions together changes, as far as the configuration tells."""
+
+    taken: tuple[tuple[Edge, Record], ...]
+    """The transitions with what is recorded of each."""
+    leaving: tuple[Node, ...]
+    """The states left, inner ones first."""
+    entering: tuple[Node, ...]
+    """The states entered, outer ones first."""
+    after: Active | None
+    """The configuration that results; None when history decides in flight what is entered."""
 
 
 class Active:
@@ -25,7 +40,7 @@ class Active:
     __slots__ = (
         "_asked",
         "_graph",
-        "_leaving",
+        "_steps",
         "always",
         "behaving",
         "leaves",
@@ -46,7 +61,7 @@ class Active:
         self.behaving = tuple(node for node in self.states if node.invocation or node.given)
         self.always = any(node.always for node in self.states)
         self._asked: dict[str, tuple[Edge, ...]] = {}
-        self._leaving: dict[int, tuple[Node, ...]] = {}
+        self._steps: dict[tuple[Edge, ...], Step] = {}
 
     def asked(self, event: str) -> tuple[Edge, ...]:
         """Where one leaf is active: the transitions an event may take, in the order of asking."""
@@ -60,13 +75,32 @@ class Active:
             )
         return found
 
-    def leaving(self, domain: Node) -> tuple[Node, ...]:
-        """The states left when the inside of ``domain`` is, inner ones first."""
-        found = self._leaving.get(domain.index)
-        if found is None:
-            inside = [node for node in self.states if domain.contains(node)]
-            found = self._leaving[domain.index] = tuple(reversed(inside))
-        return found
+    def step(self, edges: tuple[Edge, ...]) -> Step:
+        """What taking these transitions changes."""
+        return self._steps.get(edges) or self._new_step(edges)
+
+    def _new_step(self, edges: tuple[Edge, ...]) -> Step:
+        domains = [edge.domain for edge in edges if edge.domain is not None]
+        left = [node for node in self.states if any(domain.contains(node) for domain in domains)]
+        entered = {node for edge in edges for node in edge.entered or ()}
+        entering = tuple(sorted(entered, key=lambda node: node.index))
+        known = all(edge.entered is not None or edge.domain is None for edge in edges)
+        step = self._steps[edges] = Step(
+            tuple((edge, edge.taking) for edge in edges),
+            tuple(reversed(left)),
+            entering,
+            self.changed(left, entering) if known else None,
+        )
+        return step
+
+    def changed(self, leaving: Iterable[Node], entering: Iterable[Node]) -> Active:
+        """The configuration after these states were left and those entered."""
+        mask = self.mask
+        for node in leaving:
+            mask ^= node.mask
+        for node in entering:
+            mask |= node.mask
+        return active(self._graph, mask)
 
 
 def _states(nodes: Sequence[Node], mask: int) -> Sequence[Node]:

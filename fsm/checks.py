@@ -1,36 +1,50 @@
-"""What a compiled graph must fulfil before it may fly: handled outcomes, ways out, one pilot."""
+"""What a compiled mission must fulfil before it may fly: handled outcomes, ways out, one pilot."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from collections.abc import Collection, Iterator
+from functools import partial
 
 from fsm.graph import Edge, Graph, Node, default_entry
-from fsm.vocabulary import matches
+from fsm.shape import dead_alternatives, endless_always, endless_states, leaves, unreachable
+from fsm.vocabulary import Vocabulary, matches
 from vencejo.errors import Fault
 
 PERIOD = 0.025
 """Seconds of one mission period."""
 
 
-def check(graph: Graph) -> list[Fault]:
-    """Every fault of the structure; errors would keep it from flying, warnings would not."""
+def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
+    """Every fault of the structure; errors would keep it from flying, warnings would not.
+
+    ``flawed`` are states that have a fault in their transitions already: what may only follow from
+    that is not told.
+    """
+    missed = (*_unhandled_outcomes(graph), *endless_states(graph, _can_finish))
+    doubtful = {node.where for node in graph.nodes if _in_doubt(node, flawed)}
     return [
-        *_unhandled_outcomes(graph),
-        *_endless_states(graph),
+        *(fault for fault in missed if fault.where not in doubtful),
+        *(() if flawed else (*unreachable(graph), *_never_done(graph))),
         *_companions(graph),
         *_two_owners(graph),
         *_region_restarts(graph),
-        *_dead_alternatives(graph),
-        *_endless_always(graph),
+        *dead_alternatives(graph, partial(_covers, graph.vocabulary)),
+        *endless_always(graph),
         *_durations(graph),
-        *_unreachable(graph),
         *_final_regions(graph),
-        *_never_done(graph),
+        *_restarting_histories(graph),
         *_always_on_the_world(graph),
         *_hidden_handlers(graph),
         *_left_landings(graph),
     ]
+
+
+def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:
+    """Whether a flawed state may be the one that hears what this one ends with, or leaves it."""
+    if not flawed:
+        return False
+    around = (node, *node.ancestors)
+    return any(place in flawed or place.type == "parallel" for place in around)
 
 
 def _handles(node: Node, word: str, graph: Graph) -> tuple[Edge, ...]:
@@ -91,37 +105,9 @@ def _can_finish(node: Node) -> bool:
         return all(map(_can_finish, default_entry(node)))
     if node.children:
         return any(child.type == "final" for child in node.children)
-    return node.invocation is not None and "done" in node.invocation.behavior.outcomes
-
-
-def _endless_states(graph: Graph) -> Iterator[Fault]:
-    """A state that nothing leaves: no transition out of it, nor out of any state around it."""
-    for node in graph.nodes:
-        if node.children or node.type in ("final", "history"):
-            continue
-        if node.parent is graph.root and graph.root.type == "parallel" and _can_finish(node):
-            continue
-        if not any(_leaves(edge, node) for place in _beside(graph, node) for edge in place.edges()):
-            yield Fault(
-                "no-way-out",
-                f"nothing ever leaves '{node.path or graph.name}'",
-                node.where,
-                "give it a transition with a target, or make it `type: final`",
-            )
-
-
-def _beside(graph: Graph, node: Node) -> Iterator[Node]:
-    """The states that can be active together with one: itself, those around it, other regions'."""
-    around = (node, *node.ancestors)
-    yield from around
-    for region, parent in pairwise(around):
-        if parent.type == "parallel":
-            yield from graph.nodes[parent.index + 1 : region.index]
-            yield from graph.nodes[region.last + 1 : parent.last + 1]
-
-
-def _leaves(edge: Edge, node: Node) -> bool:
-    return edge.domain is not None and (edge.domain.contains(node) or edge.domain is node)
+    if node.invocation is None:
+        return False
+    return node.invocation.behavior.on_trust or "done" in node.invocation.behavior.outcomes
 
 
 def _companions(graph: Graph) -> Iterator[Fault]:
@@ -187,74 +173,6 @@ def _region_restarts(graph: Graph) -> Iterator[Fault]:
                     break
 
 
-def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
-    yield from (edges for _, edges in node.on)
-    yield from (when.edges for when in node.whens)
-    yield from (after.edges for after in node.afters)
-    yield node.always
-
-
-def _dead_alternatives(graph: Graph) -> Iterator[Fault]:
-    for node in graph.nodes:
-        for edges in _groups(node):
-            for earlier, later in pairwise(edges):
-                if earlier.guard is None and earlier.hold is None:
-                    yield Fault(
-                        "dead-alternative",
-                        "this alternative is never reached: the one before it takes all",
-                        later.where,
-                        "give the one before it a guard, or put this one first",
-                    )
-        for index, (event, edges) in enumerate(node.on):
-            for pattern, earlier_edges in node.on[:index]:
-                takes_all = any(edge.guard is None for edge in earlier_edges)
-                if takes_all and edges and _covers(pattern, event, graph):
-                    yield Fault(
-                        "dead-alternative",
-                        f"'{event}' is never reached: '{pattern}' above it takes all",
-                        edges[0].where,
-                        f"put '{event}' before '{pattern}'",
-                    )
-
-
-def _covers(pattern: str, event: str, graph: Graph) -> bool:
-    """Whether whatever ``event`` names is taken by ``pattern`` as well."""
-    if pattern == "*":
-        name = event.removesuffix(".*") + (".x" if event.endswith(".*") else "")
-        return not name.startswith("error.") and not graph.vocabulary.is_urgent(name)
-    return matches(pattern, event)
-
-
-def _endless_always(graph: Graph) -> Iterator[Fault]:
-    """A loop of unguarded ``always`` transitions would never come to rest."""
-    for start in graph.nodes:
-        node, seen = start, set[int]()
-        while True:
-            edge = next((edge for edge in node.always if edge.guard is None), None)
-            if edge is not None and not edge.targets:
-                yield Fault(
-                    "endless-always",
-                    "this `always` leads nowhere and never ends",
-                    edge.where,
-                    "give it a target or a guard; what is to be done once belongs to `entry`",
-                )
-            if edge is None or len(edge.targets) != 1:
-                break
-            node = edge.targets[0]
-            while node.initial and len(node.initial) == 1 and not node.always:
-                node = node.initial[0]
-            if node is start:
-                yield Fault(
-                    "endless-always",
-                    "these `always` transitions never end",
-                    edge.where,
-                    "give one of them a guard",
-                )
-            if node.index in seen:
-                break
-            seen.add(node.index)
-
-
 def _durations(graph: Graph) -> Iterator[Fault]:
     for node in graph.nodes:
         seen: dict[float, str] = {}
@@ -280,39 +198,6 @@ def _durations(graph: Graph) -> Iterator[Fault]:
             seen[seconds] = after.duration.source
 
 
-def _unreachable(graph: Graph) -> Iterator[Fault]:
-    """States that no transition leads to; guards are taken to pass."""
-    reached: set[int] = set()
-    pending: list[Node] = [graph.root]
-
-    def reach(nodes: Iterable[Node]) -> None:
-        pending.extend(node for node in nodes if node.index not in reached)
-
-    while pending:
-        node = pending.pop()
-        if node.index in reached:
-            continue
-        reached.add(node.index)
-        reach(node.ancestors)
-        reach(default_entry(node))
-        for edge in node.edges():
-            for target in edge.targets:
-                reach((target, *(target.initial if target.type == "history" else ())))
-                for ancestor in target.ancestors:
-                    if ancestor.type == "parallel":
-                        reach(default_entry(ancestor))
-    for node in graph.nodes:
-        inside_unreached = node.parent is not None and node.parent.index not in reached
-        if node.index not in reached and not inside_unreached:
-            yield Fault(
-                "unreachable",
-                f"nothing leads to the state '{node.path}'",
-                node.where,
-                "remove it, or name it as a target",
-                severity="warning",
-            )
-
-
 def _final_regions(graph: Graph) -> Iterator[Fault]:
     for node in graph.nodes:
         if node.type == "final" and node.parent is not None and node.parent.type == "parallel":
@@ -336,6 +221,25 @@ def _never_done(graph: Graph) -> Iterator[Fault]:
                         edges[0].where,
                         "give that region a final state, or leave on something else",
                     )
+
+
+def _restarting_histories(graph: Graph) -> Iterator[Fault]:
+    """A history reached only from inside: its state is not left, so it has nothing to give back."""
+    for history in graph.nodes:
+        parent = history.parent
+        if history.type != "history" or parent is None or not history.initial:
+            continue
+        edges = [edge for node in graph.nodes for edge in node.edges() if history in edge.targets]
+        if edges and all(edge.domain is parent or edge.domain is None for edge in edges):
+            yield Fault(
+                "empty-history",
+                f"'{parent.path or graph.name}' is not left on the way to '{history.path}', "
+                "so its history remembers nothing",
+                edges[0].where,
+                "put the states that are to be remembered inside a state of their own, and the "
+                "history with them",
+                severity="warning",
+            )
 
 
 def _always_on_the_world(graph: Graph) -> Iterator[Fault]:
@@ -379,7 +283,7 @@ def _left_landings(graph: Graph) -> Iterator[Fault]:
         for outer in node.ancestors:
             for edge in outer.edges():
                 outcome = edge.kind == "on" and "." not in edge.trigger
-                if not outcome and _leaves(edge, node):
+                if not outcome and leaves(edge, node):
                     yield Fault(
                         "left-landing",
                         f"`{edge.kind} {edge.trigger}` can break off the landing in '{node.path}'",
@@ -387,3 +291,11 @@ def _left_landings(graph: Graph) -> Iterator[Fault]:
                         "move the landing out of this state",
                         severity="warning",
                     )
+
+
+def _covers(vocabulary: Vocabulary, pattern: str, event: str) -> bool:
+    """Whether whatever ``event`` names is taken by ``pattern`` as well."""
+    if pattern == "*":
+        name = event.removesuffix(".*") + (".x" if event.endswith(".*") else "")
+        return not name.startswith("error.") and not vocabulary.is_urgent(name)
+    return matches(pattern, event)

@@ -7,7 +7,7 @@ structure must fulfil is tested in :mod:`fsm.checks`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import combinations
@@ -17,25 +17,31 @@ from fsm.checks import check
 from fsm.declarations import Declarations
 from fsm.expressions import Compiled, compile_expression
 from fsm.faults import Faults
-from fsm.graph import Action, After, Edge, Given, Graph, Guard, Invocation, Node, When, entry_set
+from fsm.graph import Action, After, Edge, Given, Graph, Guard, Invocation, Node, When
 from fsm.literals import read_value
 from fsm.namespace import FAILED_FIELDS, Fields
 from fsm.parameters import parse_parameters
 from fsm.scope import FIRST_HOST_SLOT, Scope, start
 from fsm.spec import ActionSpec, DefineSpec, MissionSpec, StateSpec, TransitionSpec, TriggerSpec
-from fsm.tree import Tree, domain_of, through_history
+from fsm.tree import Tree, domain_of
 from fsm.types import ANY, BOOL, MapOf, Number
+from fsm.unused import unused
 from fsm.vocabulary import Parameter, Vocabulary
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
 __all__ = ["compile_mission", "parse_parameters"]
 
 
-def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
-    """The graph of a mission. Raises UserError with every fault that would keep it from flying."""
-    faults = Faults()
+def compile_mission(
+    spec: MissionSpec, vocabulary: Vocabulary, found: Iterable[Fault] = ()
+) -> Graph:
+    """The graph of a mission. Raises UserError with every fault that would keep it from flying.
+
+    ``found`` are the faults found in it before; they are reported with the others.
+    """
+    faults = Faults(found)
     tree = Tree(spec, FIRST_HOST_SLOT + len(vocabulary.names), faults)
     names = Declarations(vocabulary, tree, faults)
     own = names.of(tree.root)
@@ -57,14 +63,13 @@ def compile_mission(spec: MissionSpec, vocabulary: Vocabulary) -> Graph:
         by_path={node.path: node for node in tree.nodes},
         source=spec,
     )
-    if all(fault.severity == "warning" for fault in faults):
-        faults.extend(check(graph))
+    faults.extend(check(graph, compiler.flawed))
     # A define's mistake shows at each of its uses, always at the same place.
-    found = sorted(dict.fromkeys(faults), key=lambda fault: fault.where or Where(""))
-    errors = [fault for fault in found if fault.severity == "error"]
-    if errors:
-        raise UserError.of(errors)
-    graph.warnings = tuple(found)
+    ordered = sorted(dict.fromkeys(faults), key=lambda fault: fault.where or Where(""))
+    ordered.sort(key=lambda fault: fault.severity)
+    if ordered and ordered[0].severity == "error":
+        raise UserError.of(ordered)
+    graph.warnings = (*ordered, *unused(spec))
     return graph
 
 
@@ -79,6 +84,9 @@ class _Compiler:
         self.own = names.of(tree.root)
         """The names of the graph whose states are being filled."""
         self.events = self.own.known_events
+        self.flawed: set[Node] = set()
+        """States with transitions or children that could not be compiled."""
+        self.trusting = any(n.invocation and n.invocation.behavior.on_trust for n in tree.nodes)
 
     # -- what stands in each state ----------------------------------------------------------
 
@@ -92,6 +100,9 @@ class _Compiler:
         node.throughout = self.actions(spec.throughout, scope)
         if node.invocation:
             self.invocation(node, spec, scope)
+        elif spec.do:
+            # Unknown, and that is told; what it is given may be wrong too.
+            self.given(spec.do.text, {}, spec, spec.do, scope, trusted=True)
         if spec.include:
             self.include(node, spec, spec.include, scope)
         for define in spec.define:
@@ -106,6 +117,7 @@ class _Compiler:
         whens: list[When] = []
         afters: list[After] = []
         always: list[Edge] = []
+        before = self.faults.errors
         for trigger in spec.triggers:
             with self.faults.collecting():
                 match trigger.kind:
@@ -124,6 +136,8 @@ class _Compiler:
                         always.extend(self.edges(node, trigger, scope))
         node.on, node.whens = tuple(on), tuple(whens)
         node.afters, node.always = tuple(afters), tuple(always)
+        if spec.flawed or self.faults.errors > before or self.tree.lacks(node):
+            self.flawed.add(node)
 
     def define(self, define: DefineSpec, scope: Scope) -> None:
         """A define is compiled once by itself, so that one nobody uses is checked too."""
@@ -143,6 +157,8 @@ class _Compiler:
         if name == "*" or name.endswith(".*"):
             family = name[:-1]
             if name != "*" and not any(event.startswith(family) for event in self.own.events):
+                if self.trusting:
+                    return scope.with_event(MapOf())
                 families = {event.split(".")[0] + ".*" for event in self.events}
                 raise UserError(
                     "unknown-event",
@@ -152,6 +168,8 @@ class _Compiler:
                 )
             return scope.with_event(MapOf())
         if "." in name:
+            if name not in self.events and self.trusting:
+                return scope.with_event(MapOf())
             if name not in self.events:
                 raise UserError(
                     "unknown-event",
@@ -184,13 +202,15 @@ class _Compiler:
             found["done"] = [{}]
         for inner in self.tree.nodes[node.index : node.last + 1]:
             same = self.names.of(inner) is self.own
+            if inner.invocation and inner.invocation.behavior.on_trust:
+                return None
             if inner.invocation:
                 outcomes = {**inner.invocation.behavior.outcomes, "failed": FAILED_FIELDS}
                 for word, fields in outcomes.items():
                     # Of what an included graph goes through, only `failed` climbs out of it.
                     if word == "failed" or (same and (word != "done" or inner is node)):
                         found.setdefault(word, []).append(fields)
-            elif self.tree.specs[inner.index].do is not None:
+            elif self.tree.specs[inner.index].do is not None or self.tree.lacks(inner):
                 return None
             if inner.type == "final" and inner.parent:
                 owner, spec = inner.parent.owner, self.tree.specs[inner.index]
@@ -207,7 +227,9 @@ class _Compiler:
         invocation = node.invocation
         assert invocation is not None and spec.do is not None
         behavior = invocation.behavior
-        values = self.given(behavior.name, behavior.parameters, spec, spec.do, scope)
+        values = self.given(
+            behavior.name, behavior.parameters, spec, spec.do, scope, behavior.on_trust
+        )
         for named in spec.live:
             parameter = behavior.parameters.get(named.name.text)
             if parameter is not None and not parameter.live:
@@ -221,6 +243,10 @@ class _Compiler:
 
     def include(self, node: Node, spec: StateSpec, word: Scalar, scope: Scope) -> None:
         """The parameters of an included graph, from the state that includes it."""
+        if not node.children:
+            # It was not found, and that is told; what it is given may be wrong too.
+            self.given(word.text, {}, spec, word, scope, trusted=True)
+            return
         (root,) = node.children
         names = self.names.of(root)
         values = self.given(word.text, names.parameters, spec, word, scope)
@@ -252,6 +278,7 @@ class _Compiler:
         spec: StateSpec,
         place: Scalar,
         scope: Scope,
+        trusted: bool = False,
     ) -> dict[str, dict[str, Compiled]]:
         """The parameters that stand under ``with`` and ``live``; required ones must be there."""
         context = self.own.context(scope)
@@ -259,6 +286,8 @@ class _Compiler:
         for key, entries in (("with", spec.with_), ("live", spec.live)):
             for named in entries:
                 parameter = parameters.get(named.name.text)
+                if trusted:
+                    parameter = Parameter(named.name.text, ANY, live=True)
                 if parameter is None:
                     self.faults.fail(
                         "unknown-parameter",
@@ -287,6 +316,8 @@ class _Compiler:
         return values
 
     def actions(self, specs: tuple[ActionSpec, ...], scope: Scope) -> tuple[Action, ...]:
+        if not specs:
+            return ()
         found: list[Action] = []
         context, events = self.own.context(scope), self.own.events
         for spec in specs:
@@ -315,14 +346,12 @@ class _Compiler:
         if edge.targets:
             edge.dest = ", ".join(target.path for target in edge.targets)
             edge.domain = domain_of(node, edge.targets, spec.reenter)
-            if not through_history(edge.domain, edge.targets):
-                edge.entered = tuple(entry_set(edge.domain, edge.targets, lambda history: ()))
-            else:
-                edge.entered = None
         return edge
 
     def targets(self, node: Node, spec: TransitionSpec) -> tuple[Node, ...]:
-        targets = tuple(self.tree.target(node, target) for target in spec.targets)
+        targets = tuple([self.tree.target(node, target) for target in spec.targets])
+        if len(targets) < 2:
+            return targets
         for (one, a), (two, b) in combinations(zip(spec.targets, targets, strict=True), 2):
             common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
             if common.type != "parallel" or common in (a, b):

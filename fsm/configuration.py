@@ -10,36 +10,22 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Self
 
 from transitions.core import EventData
 
 from fsm.active import active
+from fsm.event import Event
 from fsm.expressions import Compiled
-from fsm.functions import FAILURES
-from fsm.graph import Action, After, Edge, Graph, Node, default_entry, entry_set
+from fsm.functions import FAILURES, plain
+from fsm.graph import Action, After, Edge, Graph, Node, Record, default_entry, entry_set
 from fsm.history import Memory, Progress, remember
+from fsm.model import model_class
 from fsm.parameters import checked_value
 from fsm.scope import CONFIGURATION_SLOT, TIME_SLOT
 from fsm.vocabulary import Activity
 from fsm.waiting import Armed, Timer
 from vencejo.errors import Where
-
-Record = tuple[str, dict[str, Any]]
-
-
-class Event(NamedTuple):
-    """An event, or an outcome when it has an owner."""
-
-    name: str
-    fields: dict[str, Any]
-    owner: Node | None = None
-    entry: int = 0
-    """Which entry of its owner it belongs to: it is dropped once that one was left."""
-
-
-NOTHING = Event("", {})
-"""What condition and timer transitions see as their event."""
 
 
 @dataclass(slots=True)
@@ -52,6 +38,10 @@ class Running:
 
 class Configuration:
     """Which states of a graph are active, and everything that hangs on that."""
+
+    def __new__(cls, graph: Graph, *_: Any, **__: Any) -> Self:
+        instance: Self = super().__new__(model_class(cls, graph))
+        return instance
 
     def __init__(self, graph: Graph, parameters: Mapping[str, Any] | None = None) -> None:
         self.graph = graph
@@ -110,12 +100,10 @@ class Configuration:
         """Whether a state is active. Raises KeyError for a path that does not exist."""
         return self._is_active(self.graph.by_path[path])
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("is_"):
-            named = [node for node in self.graph.nodes if node.local_name == name[3:]]
-            if len(named) == 1:
-                return lambda: self._is_active(named[0])
-        raise AttributeError(name)
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The ``is_…`` methods that each graph's class has."""
 
     def record(self, what: str, **fields: Any) -> None:
         self.records.append((what, fields))
@@ -156,55 +144,45 @@ class Configuration:
 
     # -- microsteps -------------------------------------------------------------------------
 
-    def _microstep(self, edges: Sequence[Edge], event: Event) -> None:
+    def _microstep(self, edges: tuple[Edge, ...], event: Event) -> None:
         here = self._here
+        step = here.step(edges)
         self._hooks = None
-        leaving = self._leaving(edges)
         memories: dict[int, Memory] = {}
         if self._has_history:
-            memories = remember(reversed(leaving), here.states, self._progress)
+            memories = remember(reversed(step.leaving), here.states, self._progress)
             self._memories.update(memories)
-        entering = self._entering(edges)
+        entering, after = step.entering, step.after
+        if after is None:
+            entering = self._entering(edges)
+            after = here.changed(step.leaving, entering)
         for edge in edges:
             if edge.before:
                 self.graph.callbacks(edge.before, self._event_data(edge, event))
-        mask = here.mask
-        for node in leaving:
-            mask ^= node.mask
+        for node in step.leaving:
             self._exit(node, event)
-        for edge in edges:
-            self.records.append(("transition", edge.step))
+        for edge, record in step.taken:
+            self.records.append(record)
             if edge.actions:
                 self._run(edge.actions, event)
         # Last, since exit actions and the transition's own may still have changed them.
         for memory in memories.values():
             memory.keep_data(self.slots)
-        for node in entering:
-            mask |= node.mask
-        self._settle(mask)
+        self._here, self.slots[CONFIGURATION_SLOT] = after, after.mask
         for node in entering:
             self._enter(node, event)
-        self._restoring.clear()
-        self._defaults.clear()
+        if self._restoring:
+            self._restoring.clear()
+        if self._defaults:
+            self._defaults.clear()
         for edge in edges:
             if edge.after:
                 self.graph.callbacks(edge.after, self._event_data(edge, event))
 
-    def _leaving(self, edges: Sequence[Edge]) -> Sequence[Node]:
-        """The states these transitions leave, inner ones first."""
-        here = self._here
-        if len(edges) == 1:
-            domain = edges[0].domain
-            return here.leaving(domain) if domain is not None else ()
-        left = {n for edge in edges if edge.domain is not None for n in here.leaving(edge.domain)}
-        return sorted(left, key=lambda node: -node.index)
-
-    def _entering(self, edges: Sequence[Edge]) -> Sequence[Node]:
+    def _entering(self, edges: Iterable[Edge]) -> tuple[Node, ...]:
         """The states these transitions enter, outer ones first."""
-        found = [self._entered_by(edge) for edge in edges]
-        if len(found) == 1:
-            return found[0]
-        return sorted({node for nodes in found for node in nodes}, key=lambda node: node.index)
+        found = {node for edge in edges for node in self._entered_by(edge)}
+        return tuple(sorted(found, key=lambda node: node.index))
 
     def _entered_by(self, edge: Edge) -> Sequence[Node]:
         if edge.entered is None and edge.domain is not None:
@@ -229,6 +207,24 @@ class Configuration:
         index, slots = node.index, self.slots
         slots[node.entered_slot] = slots[TIME_SLOT]
         self._entries[index] = self._entry_count = self._entry_count + 1
+        if node.fills:
+            self._fill(node, event)
+        self.records.append(node.entering)
+        if node.on_enter:
+            self._call(node.on_enter, event)
+        if node.entry:
+            self._run(node.entry, event)
+        if self._defaults:
+            for default in self._defaults.get(index, ()):
+                self._run(default.default_actions, event)
+        if node.waits:
+            self._arm(node, event)
+        if node.final:
+            self._reached(node, event)
+
+    def _fill(self, node: Node, event: Event) -> None:
+        """Fill what an entry gives values to: parameters, data, what a behaviour publishes."""
+        slots = self.slots
         memory = self._memory_of(node) if self._restoring else None
         if node.given:
             self._give(node)
@@ -238,23 +234,16 @@ class Configuration:
                 if memory
                 else self.evaluate(data.initial, event.fields, None)
             )
-        if memory and index in memory.progress:
-            self._resumed[index] = memory.progress[index]
+        if memory and node.index in memory.progress:
+            self._resumed[node.index] = memory.progress[node.index]
         if node.invocation and node.invocation.slot >= 0:
             slots[node.invocation.slot] = node.invocation.behavior.blank
-        self.records.append(node.entering)
-        if node.on_enter:
-            self._call(node.on_enter, event)
-        if node.entry:
-            self._run(node.entry, event)
-        for default in self._defaults.get(index, ()) if self._defaults else ():
-            self._run(default.default_actions, event)
+
+    def _arm(self, node: Node, event: Event) -> None:
         if node.whens:
-            self._conditions[index] = [Armed(when) for when in node.whens]
+            self._conditions[node.index] = [Armed(when) for when in node.whens]
         if node.afters:
-            self._timers[index] = [self._timer(after, event) for after in node.afters]
-        if node.final:
-            self._reached(node, event)
+            self._timers[node.index] = [self._timer(after, event) for after in node.afters]
 
     def _give(self, root: Node) -> None:
         """Fill the parameters of an included graph; one without value makes it `failed`."""
@@ -266,7 +255,7 @@ class Configuration:
                 try:
                     value = given.with_.function(self.slots, {})
                 except FAILURES as error:
-                    reason = f"the parameter '{given.name}' has no value: {error}"
+                    reason = f"the parameter '{given.name}' has no value: {plain(error)}"
                     self._internal.append(self._outcome(root.owner, "failed", {"reason": reason}))
             self.slots[given.slot] = given.default if value is None else value
 
@@ -329,9 +318,8 @@ class Configuration:
                 running.activity.stop()
             self._resumed.pop(index, None)
             self._finished.discard(index)
-        if node.whens:
+        if node.waits:
             self._conditions.pop(index, None)
-        if node.afters:
             self._timers.pop(index, None)
         self.records.append(node.leaving)
 
@@ -362,7 +350,7 @@ class Configuration:
         try:
             value = compiled.function(self.slots, event)
         except FAILURES as error:
-            self._failed(compiled.where, compiled.source, f"{compiled.source}: {error}")
+            self._failed(compiled.where, compiled.source, f"{compiled.source}: {plain(error)}")
             return otherwise
         if self._broken:
             self._broken.discard((compiled.where, compiled.source))
@@ -374,7 +362,9 @@ class Configuration:
             try:
                 action.run(self, event.fields)
             except FAILURES as error:
-                self._failed(action.where, action.kind, f"{action.kind}: {error}", action=True)
+                self._failed(
+                    action.where, action.kind, f"{action.kind}: {plain(error)}", action=True
+                )
                 return
             if self._broken:
                 self._broken.discard((action.where, action.kind))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from math import nextafter
 from types import MappingProxyType
 from typing import Any
 
 from fsm.functions import EvaluationError, shown
 from fsm.types import (
+    MAX_NUMBER,
     ROUTE,
     WAYPOINT,
     Bool,
@@ -24,6 +26,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point
 from vencejo.units import LENGTH
 
+LARGEST = nextafter(MAX_NUMBER, 0.0)
 HEADING_WORDS = ("keep", "travel")
 _LENGTH = Number(LENGTH)
 _BARE = Number()
@@ -40,6 +43,23 @@ def point_of(values: list[Any]) -> Any:
     if len(values) == 3:
         return Point(float(values[0]), float(values[1]), float(values[2]))
     return {"x": float(values[0]), "y": float(values[1])}
+
+
+def converted(function: Callable[..., Any], place: Type) -> Callable[..., Any]:
+    """``function`` with its value converted for a place: quickly, if it is a number as it should
+    be already.
+    """
+    if not isinstance(place, Number):
+        return lambda slots, event: convert(function(slots, event), place)
+    kinds = {int} if place.whole else {float} if place.dimension is not None else {int, float}
+    low, high = max(place.min, -LARGEST), min(place.max, LARGEST)
+
+    def number(slots: Any, event: Any) -> Any:
+        value = function(slots, event)
+        as_is = type(value) in kinds and low <= value <= high
+        return value if as_is else convert(value, place)
+
+    return number
 
 
 def convert(value: Any, place: Type) -> Any:

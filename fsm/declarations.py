@@ -38,14 +38,15 @@ class Declarations:
         self.scopes: dict[int, Scope] = {}
         self.graphs: dict[int, Namespace] = {}
         """The names of the graph that begins at a state."""
+        self._names: dict[int, Namespace] = {}
+        """By state."""
         self._declare(tree.root, Scope())
         for index in reversed(self.graphs):
             self._collect_raised(tree.nodes[index])
 
     def of(self, node: Node) -> Namespace:
         """The names of the graph that a state belongs to."""
-        *_, root = node.outwards()
-        return self.graphs[root.index]
+        return self._names[node.index]
 
     def slot(self) -> int:
         self.slots += 1
@@ -133,6 +134,9 @@ class Declarations:
         spec = self.tree.specs[node.index]
         if node.border:
             outer = self._begin(node)
+            self._names[node.index] = self.graphs[node.index]
+        elif node.parent is not None:
+            self._names[node.index] = self._names[node.parent.index]
         scope = outer.inside(node.entered_slot)
         if node.border:
             scope.states = self._states(node)
@@ -196,9 +200,9 @@ class Declarations:
             scope.names.setdefault(name.text, Binding(name.text, "published", ANY))
             return
         slot = -1
-        if behavior.publishes:
+        if behavior.publishes or behavior.on_trust:
             slot = self.slot()
-            type_ = MapOf(behavior.publishes)
+            type_: Type = ANY if behavior.on_trust else MapOf(behavior.publishes)
             try:
                 scope.declare(Binding(name.text, "published", type_, slot, name.where), name.where)
             except UserError as error:

@@ -7,7 +7,8 @@ code is compiled, with nothing in reach but the functions of :mod:`fsm.functions
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,8 @@ from fsm.translator import Translator
 from fsm.types import ANY, Bool, Number, Type, fits
 from vencejo.errors import UserError, Where
 
+_SLOT = re.compile(r"s\[(\d+)\]")
+_NUMBER = re.compile(r"\d+\.\d+")
 Function = Callable[[list[Any], Mapping[str, Any] | None], Any]
 """A compiled value: of an instance's slots and of the fields of the event at hand."""
 
@@ -69,13 +72,31 @@ def compile_expression(
         code = f"(lambda b: {code})({translator.use('Budget', Budget)}())"
     if not isinstance(type_, (Bool, Number)):
         code = f"{translator.use('bounded', bounded)}({code})"
+    function = _simple(code) or _compiled(code, arguments, translator, where)
+    is_constant = not translator.reads and not arguments
+    return Compiled(type_, function, text, where, is_constant, frozenset(translator.reads))
+
+
+def _simple(code: str) -> Function | None:
+    """The function of a slot or a number by itself, for which Python's compiler takes too long."""
+    slot = _SLOT.fullmatch(code)
+    if slot:
+        index = int(slot[1])
+        return lambda slots, event: slots[index]
+    if _NUMBER.fullmatch(code):
+        value = float(code)
+        return lambda slots, event: value
+    return None
+
+
+def _compiled(
+    code: str, arguments: Iterable[str], translator: Translator, where: Where
+) -> Function:
     names = ", ".join(["s", "e", *(f"a_{name}" for name in arguments)])
     try:
         # `code` is made of our own pieces only: see the module's docstring.
-        function = eval(
-            compile(f"lambda {names}: {code}", f"<{where}>", "eval"), translator.namespace
-        )
+        source = compile(f"lambda {names}: {code}", f"<{where}>", "eval")
     except (SyntaxError, RecursionError, MemoryError):
         raise too_deep(where) from None
-    is_constant = not translator.reads and not arguments
-    return Compiled(type_, function, text, where, is_constant, frozenset(translator.reads))
+    function: Function = eval(source, translator.namespace)
+    return function

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
 
 from vencejo.errors import Fault, UserError, Where
 
@@ -17,15 +17,34 @@ class Faults(list[Fault]):
     def warn(self, code: str, message: str, where: Where, hint: str) -> None:
         self.append(Fault(code, message, where, hint, "warning"))
 
-    @contextmanager
-    def collecting(self) -> Iterator[None]:
+    @property
+    def errors(self) -> int:
+        """How many of them keep a mission from flying."""
+        return sum(fault.severity == "error" for fault in self)
+
+    def collecting(self) -> _Collecting:
         """Keep what a UserError says, and go on after the block."""
-        try:
-            yield
-        except UserError as error:
-            self.extend(error.faults)
+        return _Collecting(self)
 
     def raise_any(self) -> None:
         """Raise UserError with all of them, if there are any."""
         if self:
             raise UserError.of(self)
+
+
+@dataclass(slots=True)
+class _Collecting:
+    """A context manager entered for nearly every line of a mission: ``contextlib`` is too slow."""
+
+    faults: Faults
+
+    def __enter__(self) -> None:
+        """Nothing to prepare."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> bool:
+        if not isinstance(error, UserError):
+            return False
+        self.faults.extend(error.faults)
+        return True

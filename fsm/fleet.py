@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -10,20 +9,21 @@ from pathlib import Path, PurePosixPath
 from fsm.expressions import compile_expression
 from fsm.faults import Faults
 from fsm.graph import Graph
-from fsm.includes import inside, read_mission
+from fsm.includes import read_mission
 from fsm.literals import Context
 from fsm.parameters import constant_value
 from fsm.scope import TIME_SLOT, Binding, Scope, start
 from fsm.spec import MissionSpec
 from fsm.types import ANY, BOOL, MapOf, Number
+from fsm.words import SMALL_NAME
 from vencejo.errors import UserError, Where, nearest
+from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Node, Scalar, kind, read_file
 from vencejo.units import TIME
 
 FLEET_KEYS = frozenset({"fleet", "description", "world", "vehicles", "until"})
 VEHICLE_KEYS = frozenset({"mission", "with"})
-_NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class FleetSpec:
 
     name: str
     file: str
+    description: str = ""
     members: tuple[Member, ...] = ()
     world: Scalar | None = None
     until: Scalar | None = None
@@ -67,10 +68,11 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     for name, value in entries:
         with faults.collecting():
             members.append(_member(name, value, path.parent, shown, faults))
-    fleet = scalars["fleet"]
+    fleet, description = scalars["fleet"], scalars["description"]
     spec = FleetSpec(
         fleet.text if fleet else path.stem,
         shown,
+        description.text if description else "",
         tuple(members),
         scalars["world"],
         scalars["until"],
@@ -120,7 +122,7 @@ def _parameters(member: Member, graph: Graph, faults: Faults) -> None:
 
 
 def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) -> Member:
-    if not _NAME.fullmatch(name.text):
+    if not SMALL_NAME.fullmatch(name.text):
         hint = "a small letter, then small letters, digits and _"
         faults.fail("bad-name", f"'{name.text}' is no name for a vehicle", name.where, hint)
     if not isinstance(node, MapNode):
@@ -130,7 +132,7 @@ def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) 
     if word is None:
         message, hint = f"'{name.text}' has no mission", "mission: file.yaml"
         raise UserError("missing-key", message, name.where, hint)
-    path = inside(folder, word, "a fleet's mission")
+    path = file_inside(folder, word, "a fleet's mission")
     if not path.is_file():
         files = [file.relative_to(folder).as_posix() for file in folder.glob("**/*.y*ml")]
         message = f"there is no file '{word.text}'"

@@ -48,6 +48,15 @@ FAILURES = (EvaluationError, ArithmeticError, TypeError, ValueError, LookupError
 """What evaluating a checked expression can still raise, all of it ``error.execution``."""
 
 
+def plain(error: Exception) -> str:
+    """Why an expression has no value, in plain words."""
+    if isinstance(error, OverflowError):
+        return "the result is too large"
+    if isinstance(error, ZeroDivisionError):
+        return "a division by zero"
+    return str(error)
+
+
 def bounded(value: Any) -> Any:
     """A value small enough to keep. Raises EvaluationError."""
     if isinstance(value, (int, float)) and -MAX_NUMBER < value < MAX_NUMBER:
@@ -141,7 +150,7 @@ class Budget:
         for value in values:
             self.left -= 1
             if self.left < 0:
-                raise EvaluationError(f"more than {LOOP_BUDGET} steps in one expression")
+                raise EvaluationError(f"more than {LOOP_BUDGET} steps of loops at once")
             yield value
 
 

@@ -8,6 +8,7 @@ by :class:`fsm.machine.Instance`.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,6 +24,9 @@ from fsm.types import Type
 from fsm.vocabulary import Behavior, Parameter, Vocabulary, matches
 from vencejo import nodes
 from vencejo.errors import Fault, Where
+
+Record = tuple[str, dict[str, Any]]
+"""Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
 
 
 class Guard(Condition):
@@ -101,19 +105,29 @@ class Edge(Transition):
         self.targets: tuple[Node, ...] = ()
         self.domain: Node | None = None
         """The state whose inside is left; None when nothing is."""
-        self.entered: tuple[Node, ...] | None = ()
-        """States entered, outer first; None when history decides in flight."""
         self.guard: Compiled | None = None
         self.actions: tuple[Action, ...] = ()
         self.hold: Compiled | None = None
         self.reenter = False
 
     @cached_property
-    def step(self) -> dict[str, Any]:
+    def entered(self) -> tuple[Node, ...] | None:
+        """States entered, outer first; None when that is found in flight, because history decides
+        it or default entries have actions of their own.
+        """
+        if self.domain is None:
+            return ()
+        found = entry_set(self.domain, self.targets, lambda history: ())
+        touched = {*self.targets, *(initial for node in found for initial in node.initial)}
+        in_flight = any(node.type == "history" for node in touched)
+        return None if in_flight or any(n.default_actions for n in found) else tuple(found)
+
+    @cached_property
+    def taking(self) -> Record:
         """What is recorded when it is taken."""
         by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
         step = {"by": by, "from": self.node.path, "to": [target.path for target in self.targets]}
-        return {**step, "name": self.label} if self.label else step
+        return "transition", {**step, "name": self.label} if self.label else step
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,10 +186,12 @@ class Node(State):
         self.afters: tuple[After, ...] = ()
         self.outcome = "done"
         self.output: Mapping[str, Compiled] = {}
-        self.entering = ("enter", {"state": path})
-        self.leaving = ("exit", {"state": path})
+        self.entering: Record = ("enter", {"state": path})
+        self.leaving: Record = ("exit", {"state": path})
         """What is recorded when it is entered and left."""
         self._edges_of: dict[str, tuple[Edge, ...]] = {}
+        self.fills = self.waits = False
+        """Whether an entry gives values to anything, and whether it arms conditions or timers."""
 
     @property
     def owner(self) -> Node:
@@ -239,14 +255,23 @@ class Graph:
     by_path: Mapping[str, Node] = field(default_factory=dict)
     visited: dict[int, Active] = field(default_factory=dict, repr=False)
     """Configurations that instances have been in, by their masks (see :mod:`fsm.active`)."""
+    models: dict[type, type] = field(default_factory=dict, repr=False)
+    """Classes of its instances (see :mod:`fsm.model`)."""
 
     source: MissionSpec | None = None
     """What it was compiled from."""
+    document: object = None
+    """What it was compiled from when that is no mission: the root of an SCXML document."""
+
+    def __post_init__(self) -> None:
+        for node in self.nodes:
+            node.fills = bool(node.given or node.data or node.invocation)
+            node.waits = bool(node.whens or node.afters)
 
     @cached_property
     def digest(self) -> str:
         """A hash of what the mission says; saved runs and records know it by this."""
-        return "" if self.source is None else digest_of(self.source)
+        return digest_of(self.document if self.source is None else self.source)
 
     event_slot: int = -1
     """Where ``_event`` of an SCXML document stands; -1 in a mission."""
@@ -320,13 +345,16 @@ def entry_set(
         for ancestor in node.ancestors:
             if ancestor is stop:
                 return
+            new = ancestor.index not in entering
             entering[ancestor.index] = ancestor
-            if ancestor.type == "parallel":
+            if new and ancestor.type == "parallel":
                 fill(ancestor)
 
     def fill(parallel: Node) -> None:
+        filled = sorted(entering)
         for region in default_entry(parallel):
-            if not any(region.index <= index <= region.last for index in entering):
+            first = bisect_left(filled, region.index)
+            if first == len(filled) or filled[first] > region.last:
                 descend(region)
 
     enter(targets, domain)

@@ -9,47 +9,52 @@ from fsm.faults import Faults
 from fsm.reader import spec_of
 from fsm.spec import MissionSpec
 from vencejo.errors import UserError, nearest
+from vencejo.files import file_inside
 from vencejo.nodes import Mapping, Scalar, read_file, read_text
 
 MAX_INCLUDES = 64
 """Graphs inside graphs."""
 
 
-def read_mission(path: Path, shown_as: str | None = None) -> MissionSpec:
-    """The mission of a file. Raises UserError with the mistakes of form of all its files."""
-    faults = Faults()
-    spec = _Library(faults).mission(path, shown_as or str(path))
-    faults.raise_any()
+def read_mission(
+    path: Path, shown_as: str | None = None, faults: Faults | None = None
+) -> MissionSpec:
+    """The mission of a file. Raises UserError with the mistakes of form of all its files.
+
+    With ``faults`` they are added there instead, for those of meaning to be found as well; what
+    cannot be read at all is raised in any case.
+    """
+    found = Faults() if faults is None else faults
+    spec = _Library(found).mission(path, shown_as or str(path))
+    if faults is None:
+        found.raise_any()
     return spec
 
 
 def read_mission_text(
-    text: str, file: str = "mission.yaml", folder: Path | None = None
+    text: str,
+    file: str = "mission.yaml",
+    folder: Path | None = None,
+    faults: Faults | None = None,
 ) -> MissionSpec:
-    """The mission of a text, whose includes lie in ``folder``. Raises UserError likewise."""
-    return mission_of(read_text(text, file), file, Path(file).stem, folder)
+    """The mission of a text, whose includes lie in ``folder`` (see :func:`read_mission`)."""
+    return mission_of(read_text(text, file), file, Path(file).stem, folder, faults)
 
 
-def mission_of(node: Mapping, file: str, name: str, folder: Path | None = None) -> MissionSpec:
-    """The mission of nodes that are there already. Raises UserError likewise."""
-    faults = Faults()
-    spec = spec_of(node, file, name, faults)
-    _Library(faults).link(spec, folder, spec.graphs, (spec,))
-    faults.raise_any()
+def mission_of(
+    node: Mapping,
+    file: str,
+    name: str,
+    folder: Path | None = None,
+    faults: Faults | None = None,
+) -> MissionSpec:
+    """The mission of nodes that are there already (see :func:`read_mission`)."""
+    found = Faults() if faults is None else faults
+    spec = spec_of(node, file, name, found)
+    _Library(found).link(spec, folder, spec.graphs, (spec,))
+    if faults is None:
+        found.raise_any()
     return spec
-
-
-def inside(folder: Path, word: Scalar, what: str) -> Path:
-    """The file that a word names, which must lie in ``folder``. Raises UserError."""
-    path = (folder / word.text).resolve()
-    if not path.is_relative_to(folder.resolve()):
-        raise UserError(
-            "outside-folder",
-            f"'{word.text}' lies outside the folder of the file that names it",
-            word.where,
-            f"{what} lies beside that file or further inside",
-        )
-    return path
 
 
 class _Library:
@@ -97,7 +102,7 @@ class _Library:
         named = {graph.name: graph for graph in graphs}
         if word.text in named:
             return named[word.text], folder, graphs
-        path = inside(folder, word, "what is included") if folder else None
+        path = file_inside(folder, word, "what is included") if folder else None
         if folder is None or path is None or not path.is_file():
             is_file = word.text.endswith((".yaml", ".yml"))
             what = "file" if is_file else "graph"

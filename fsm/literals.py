@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from fsm.conversion import HEADING_WORDS, POINT_FORMS, convert, point_of
+from fsm.conversion import HEADING_WORDS, POINT_FORMS, converted, point_of
 from fsm.expressions import Compiled, Function, compile_expression, constant
-from fsm.functions import FAILURES, bounded
+from fsm.functions import FAILURES, bounded, plain
 from fsm.scope import Scope
 from fsm.templates import NAME, Inserted, formatted, pieces
 from fsm.types import (
@@ -79,7 +79,7 @@ def read_value(node: Node, place: Type, context: Context) -> Compiled:
         except UserError as error:
             raise UserError(error.code, error.faults[0].message, node.where) from None
         except FAILURES as error:
-            raise UserError("no-value", f"this has no value: {error}", node.where) from None
+            raise UserError("no-value", f"this has no value: {plain(error)}", node.where) from None
     return compiled
 
 
@@ -215,10 +215,9 @@ def _placed(compiled: Compiled, place: Type) -> Compiled:
     """An expression whose value is checked against its place whenever it is evaluated."""
     if isinstance(place, AnyType):
         return compiled
-    inner = compiled.function
     return Compiled(
         compiled.type,
-        lambda s, e: convert(inner(s, e), place),
+        converted(compiled.function, place),
         compiled.source,
         compiled.where,
         compiled.constant,

@@ -18,9 +18,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fsm.configuration import NOTHING, Configuration, Event, Record, Running
-from fsm.functions import FAILURES
-from fsm.graph import Edge, Graph, Invocation, Node, default_entry
+from fsm.configuration import Configuration, Running
+from fsm.event import NOTHING, Event
+from fsm.functions import FAILURES, plain
+from fsm.graph import Edge, Graph, Invocation, Node, Record, default_entry
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
 from fsm.suspension import WAKING, shift_clocks, stop_behaviors
@@ -71,15 +72,16 @@ class Instance(Configuration):
 
     def trigger(self, event: str, **fields: Any) -> bool:
         """Process an event at once, as a macrostep of its own; whether a transition was taken."""
-        self._start()
-        return not self.ended and self._macrostep(Event(event, fields))
+        if not self._here.states:
+            self._start()
+        return self.outcome is None and self._macrostep(Event(event, fields))
 
     def may_trigger(self, event: str, **fields: Any) -> bool:
         """Whether an event would take a transition now. Changes nothing."""
         before = len(self.records), len(self._internal), set(self._broken)
-        # In a mission this is some value that is given back as it was.
         shown = self.slots[self.graph.event_slot]
-        self._show(Event(event, fields))
+        if self.graph.event_slot >= 0:
+            self._show(Event(event, fields))
         possible = not self.ended and bool(self._select(Event(event, fields)))
         del self.records[before[0] :]
         while len(self._internal) > before[1]:
@@ -210,7 +212,8 @@ class Instance(Configuration):
             self._is_active(owner) and self._entries[owner.index] == event.entry
         ):
             return False
-        self._show(event)
+        if self.graph.event_slot >= 0:
+            self._show(event)
         edges = self._select(event)
         shown: dict[str, Any] = {"name": event.name}
         if owner is not None:
@@ -230,8 +233,7 @@ class Instance(Configuration):
 
     def _show(self, event: Event) -> None:
         """SCXML keeps the event at hand in a variable, until the next one comes."""
-        if self.graph.event_slot >= 0:
-            self.slots[self.graph.event_slot] = {"name": event.name, "data": event.fields}
+        self.slots[self.graph.event_slot] = {"name": event.name, "data": event.fields}
 
     def _must_react(self, event: Event) -> bool:
         name = event.name
@@ -275,18 +277,25 @@ class Instance(Configuration):
 
     # -- selection --------------------------------------------------------------------------
 
-    def _select(self, event: Event) -> Sequence[Edge]:
+    def _select(self, event: Event) -> tuple[Edge, ...]:
+        here = self._here
+        if event.owner is None and len(here.leaves) == 1:
+            for edge in here.asked(event.name):
+                if self._passes(edge, event):
+                    return (edge,)
+            return ()
+        return self._select_widely(event)
+
+    def _select_widely(self, event: Event) -> tuple[Edge, ...]:
+        """The transitions of an event in parallel regions, or of an outcome."""
         name, owner, outer_first = event.name, event.owner, self.graph.outer_first
         vocabulary = self.graph.vocabulary
 
         def choose(node: Node) -> Edge | None:
             return self._first_passing(node.edges_for(name, vocabulary), event)
 
-        if owner is None and len(self._here.leaves) == 1:
-            edge = self._first_passing(self._here.asked(name), event)
-            return () if edge is None else (edge,)
         if owner is None:
-            return select(self._here.leaves, choose, outer_first)
+            return tuple(select(self._here.leaves, choose, outer_first))
         # An outcome goes from its state outwards, never to another region; `done` stays.
         asked = (owner,) if name == "done" else chain(owner, outer_first)
         if name not in ("done", "failed"):
@@ -296,14 +305,15 @@ class Instance(Configuration):
         edge = next((edge for node in asked if (edge := choose(node)) is not None), None)
         return () if edge is None else (edge,)
 
-    def _pick_always(self) -> Sequence[Edge]:
+    def _pick_always(self) -> tuple[Edge, ...]:
         if not self._here.always:
             return ()
-        return select(
+        edges = select(
             self._here.leaves,
             lambda node: self._first_passing(node.always, NOTHING) if node.always else None,
             self.graph.outer_first,
         )
+        return tuple(edges)
 
     # -- clock and world --------------------------------------------------------------------
 
@@ -323,7 +333,7 @@ class Instance(Configuration):
             )
             for edge in edges:
                 offers[edge.node.index][1].taken()
-            self._microstep(edges, NOTHING)
+            self._microstep(tuple(edges), NOTHING)
         if offers or self._internal:
             self._stabilise()
 
@@ -331,7 +341,9 @@ class Instance(Configuration):
         """The first due transition of a state; every condition is observed, for its edges."""
         offer: tuple[Edge, Armed | Timer] | None = None
         for condition in self._conditions.get(node.index, ()):
-            true = self.evaluate(condition.when.condition, {}, False) is True
+            true = self.evaluate(condition.when.condition, NOTHING.fields, False) is True
+            if not true and condition.since is None and not condition.due:
+                continue  # as it has been: most conditions of most periods
             condition.observe(true, self.now, self._hold)
             for index in sorted(condition.due) if offer is None else ():
                 edge = condition.when.edges[index]
@@ -392,7 +404,7 @@ class Instance(Configuration):
             try:
                 values[name] = compiled.function(self.slots, {})
             except FAILURES as error:
-                reason = f"the parameter '{name}' has no value: {error}"
+                reason = f"the parameter '{name}' has no value: {plain(error)}"
                 self._end(node, running, Outcome("failed", {"reason": reason}))
                 return running
         for name, compiled in invocation.live.items():

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from difflib import get_close_matches
 from typing import cast
 
+from fsm import words
 from fsm.faults import Faults
 from fsm.spec import (
     ActionKind,
@@ -19,16 +21,6 @@ from fsm.spec import (
     TriggerKind,
     TriggerSpec,
 )
-from fsm.words import (
-    ACTIONS,
-    FINAL_KEYS,
-    GRAPH_KEYS,
-    HISTORY_KEYS,
-    NOT_YET,
-    ROOT_KEYS,
-    STATE_KEYS,
-    TRANSITION_KEYS,
-)
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind
 
@@ -37,11 +29,6 @@ FLEET = "not-a-mission"
 """The code of the fault that a file is a fleet."""
 MAX_STATE_DEPTH = 64
 
-_STATE_NAME = re.compile(r"[a-z][a-z0-9_]*")
-_MISSION_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_EVENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
-_TRIGGER = re.compile(r"\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?")
 _DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
 
 
@@ -54,6 +41,7 @@ class _Reader:
     """Collects faults while it reads, so that one look shows them all."""
 
     def __init__(self, faults: Faults) -> None:
+        self.faults = faults
         self.fail = faults.fail
 
     def mission(
@@ -69,10 +57,10 @@ class _Reader:
                 "`drone-cli check` checks it; `drone-cli run` flies one of its missions by itself",
             )
         if inside is None:
-            self.keys(node, ROOT_KEYS | STATE_KEYS, "a mission")
+            node = self.keys(node, words.ROOT_KEYS | words.STATE_KEYS, "a mission")
         else:
-            self.keys(node, GRAPH_KEYS | STATE_KEYS, "a graph")
-        name = self.named_scalar(node, "mission", _MISSION_NAME, "letters, digits, - and _")
+            node = self.keys(node, words.GRAPH_KEYS | words.STATE_KEYS, "a graph")
+        name = self.named_scalar(node, "mission", words.MISSION_NAME, "letters, digits, - and _")
         language = node.get("language")
         if isinstance(language, Scalar) and language.text != str(LANGUAGE):
             self.fail(
@@ -95,9 +83,9 @@ class _Reader:
             description=self.text(node, "description"),
             world=self.scalar(node, "world"),
             uses=self.scalars(node, "uses"),
-            places=self.named(node, "places", _NAME),
-            parameters=self.named(node, "parameters", _NAME),
-            events=self.named(node, "events", _EVENT),
+            places=self.named(node, "places", words.NAME),
+            parameters=self.named(node, "parameters", words.NAME),
+            events=self.named(node, "events", words.EVENT_NAME),
             outer_first=priority == "outer",
             node=node,
             graphs=self.graphs(node, file) if inside is None else (),
@@ -106,7 +94,7 @@ class _Reader:
     def graphs(self, node: Mapping, file: str) -> tuple[MissionSpec, ...]:
         found = []
         for name, value in self.map(node, "graphs"):
-            if not _NAME.fullmatch(name.text):
+            if not words.NAME.fullmatch(name.text):
                 self.fail("bad-name", f"'{name.text}' is not a name", name.where)
             if isinstance(value, Mapping):
                 found.append(self.mission(value, file, name.text, name.where))
@@ -123,9 +111,11 @@ class _Reader:
         types = ("parallel",) if root else ("parallel", "final", "history")
         declared = self.choice(node, "type", types)
         type_ = cast(StateType, declared or self.usual_type(node))
-        allowed = {"final": FINAL_KEYS, "history": HISTORY_KEYS}.get(type_, STATE_KEYS)
+        allowed = {"final": words.FINAL_KEYS, "history": words.HISTORY_KEYS}.get(
+            type_, words.STATE_KEYS
+        )
         if not root:
-            self.keys(node, allowed, f"a {declared} state" if declared else "a state")
+            node = self.keys(node, allowed, f"a {declared} state" if declared else "a state")
         states = self.states(node, depth)
         if type_ == "parallel" and not states:
             self.fail("no-states", "a parallel state needs `states`", where)
@@ -137,29 +127,33 @@ class _Reader:
                 message = f"`{key}` and `include` do not go together"
                 hint = "put the `include` into a state of its own"
                 self.fail("misplaced-include", message, self.where(node, key), hint)
+        before = self.faults.errors
+        triggers = self.triggers(node)
+        flawed = self.faults.errors > before
         return StateSpec(
             name=name,
             where=where,
             type=type_,
             initial=self.scalar(node, "initial"),
             description=self.text(node, "description"),
-            data=self.named(node, "data", _NAME),
+            data=self.named(node, "data", words.NAME),
             define=self.defines(node),
             entry=self.actions(node, "entry"),
             exit=self.actions(node, "exit"),
             throughout=self.actions(node, "throughout"),
             do=self.scalar(node, "do"),
-            with_=self.named(node, "with", _NAME),
-            live=self.named(node, "live", _NAME),
-            as_=self.named_scalar(node, "as", _NAME, "letters, digits and _"),
+            with_=self.named(node, "with", words.NAME),
+            live=self.named(node, "live", words.NAME),
+            as_=self.named_scalar(node, "as", words.NAME, "letters, digits and _"),
             include=self.scalar(node, "include"),
-            triggers=self.triggers(node),
+            triggers=triggers,
             states=states,
             outcome=self.outcome(node),
-            output=self.named(node, "output", _NAME),
+            output=self.named(node, "output", words.NAME),
             deep=self.boolean(node, "deep"),
             target=self.scalar(node, "target") if type_ == "history" else None,
             breakpoint=self.boolean(node, "breakpoint"),
+            flawed=flawed,
         )
 
     def usual_type(self, node: Mapping) -> StateType:
@@ -168,7 +162,7 @@ class _Reader:
     def states(self, node: Mapping, depth: int) -> tuple[StateSpec, ...]:
         children = []
         for key, value in self.map(node, "states"):
-            if not _STATE_NAME.fullmatch(key.text):
+            if not words.SMALL_NAME.fullmatch(key.text):
                 self.fail(
                     "bad-name",
                     f"'{key.text}' is no name for a state",
@@ -179,12 +173,14 @@ class _Reader:
                 value = Mapping([], key.where)
             if not isinstance(value, Mapping):
                 self.fail("wrong-type", f"a state is a map, not {kind(value)}", value.where)
-                continue
+                value = Mapping([], key.where)
             children.append(self.state(key.text, value, key.where, depth + 1))
         return tuple(children)
 
     def outcome(self, node: Mapping) -> str:
-        scalar = self.named_scalar(node, "outcome", _STATE_NAME, "an outcome is one small word")
+        scalar = self.named_scalar(
+            node, "outcome", words.SMALL_NAME, "an outcome is one small word"
+        )
         return scalar.text if scalar else "done"
 
     def defines(self, node: Mapping) -> tuple[DefineSpec, ...]:
@@ -198,7 +194,7 @@ class _Reader:
                 if match
                 else ()
             )
-            if not match or any(not _NAME.fullmatch(argument) for argument in arguments):
+            if not match or any(not words.NAME.fullmatch(argument) for argument in arguments):
                 self.fail(
                     "bad-name",
                     f"'{key.text}' is no name to define",
@@ -220,7 +216,7 @@ class _Reader:
         kinds: tuple[TriggerKind, ...] = ("on", "when", "after")
         for trigger in kinds:
             for key, value in self.map(node, trigger):
-                if trigger == "on" and not _TRIGGER.fullmatch(key.text):
+                if trigger == "on" and not words.TRIGGER.fullmatch(key.text):
                     self.fail(
                         "bad-event",
                         f"'{key.text}' is no outcome and no event",
@@ -263,7 +259,7 @@ class _Reader:
                 "several regions are entered by `target: [a, b]`",
             )
             return None
-        self.keys(node, TRANSITION_KEYS, "a transition")
+        node = self.keys(node, words.TRANSITION_KEYS, "a transition")
         hold = self.scalar(node, "for")
         if hold and trigger != "when":
             self.fail("misplaced-for", "`for` belongs to `when` only", self.where(node, "for"))
@@ -291,31 +287,41 @@ class _Reader:
                     block.where,
                 )
                 continue
-            self.keys(block, ACTIONS, "actions")
+            block = self.keys(block, words.ACTIONS, "actions")
             for name, argument in block:
-                if name.text in ACTIONS:
+                if name.text in words.ACTIONS:
                     found.append(ActionSpec(cast(ActionKind, name.text), argument, name.where))
         return tuple(found)
 
     # -- pieces -----------------------------------------------------------------------------
 
-    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> None:
-        for key, _ in node:
+    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> Mapping:
+        """The map with each misspelt key read as the one that was meant."""
+        meant: list[tuple[Scalar, Node]] = []
+        for key, value in node:
             if key.text in allowed:
+                meant.append((key, value))
                 continue
-            if key.text in NOT_YET:
+            if key.text in words.NOT_YET:
+                meant.append((key, value))
                 self.fail(
                     "not-yet",
                     f"'{key.text}' is part of the language but not of this version",
                     key.where,
                 )
                 continue
+            near = get_close_matches(key.text, allowed - {other.text for other, _ in node}, n=1)
+            if not near:
+                meant.append((key, value))
+            elif near[0] not in {k.text for k, _ in meant}:
+                meant.append((Scalar(near[0], key.where), value))
             hint = nearest(key.text, allowed)
-            if key.text in ROOT_KEYS:
+            if key.text in words.ROOT_KEYS:
                 hint = f"'{key.text}' stands at the top of the file only"
             elif ":" in key.text:
                 hint = "is a blank missing after the colon?"
             self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+        return Mapping(meant, node.where)
 
     def where(self, node: Mapping, key: str) -> Where:
         return next((name.where for name, _ in node if name.text == key), node.where)
@@ -381,7 +387,7 @@ class _Reader:
         found = []
         for name, value in self.map(node, key):
             if not pattern.fullmatch(name.text):
-                what = "an event (it needs a dot)" if pattern is _EVENT else "a name"
+                what = "an event (it needs a dot)" if pattern is words.EVENT_NAME else "a name"
                 hint = None
                 if isinstance(value, Scalar) and value.null:
                     hint = "a text with a comma inside `{ }` needs quotes; decimals have a point"

@@ -13,7 +13,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from fsm.configuration import Event, Running
+from fsm.configuration import Running
+from fsm.event import Event
 from fsm.graph import Graph, Node
 from fsm.history import Memory
 from fsm.machine import Delayed, Instance
@@ -26,6 +27,9 @@ from vencejo.errors import UserError, Where
 FORMAT = "vencejo.saved"
 VERSION = 1
 """Of the form of saved runs; one more whenever an older one cannot be read any more."""
+
+TORN = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
+"""What reading a save raises that is not as it was written."""
 
 Saved = dict[str, Any]
 
@@ -104,7 +108,7 @@ def load(instance: Instance, saved: Mapping[str, Any]) -> None:
             graph.by_path[path].index: (graph.by_path[path], unpack(kept))
             for path, kept in saved["running"].items()
         }
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+    except TORN as error:
         raise UserError(
             "torn-save",
             f"this save of '{graph.name}' is not whole: {type(error).__name__}: {error}",

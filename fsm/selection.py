@@ -30,7 +30,7 @@ def select(
                 if edge not in picked:
                     picked.append(edge)
                 break
-    return _without_conflicts(picked, outer_first) if len(picked) > 1 else picked
+    return without_conflicts(picked, outer_first) if len(picked) > 1 else picked
 
 
 def chain(node: Node, outer_first: bool) -> Sequence[Node]:
@@ -39,7 +39,7 @@ def chain(node: Node, outer_first: bool) -> Sequence[Node]:
     return around[::-1] if outer_first else around
 
 
-def _without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
+def without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
     """Of two whose exit sets meet the inner one stays, else the earlier."""
     kept: list[Edge] = []
     for edge in edges:

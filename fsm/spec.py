@@ -85,6 +85,8 @@ class StateSpec:
     deep: bool = False
     target: Scalar | None = None
     breakpoint: bool = False
+    flawed: bool = False
+    """Whether some of its transitions could not be read."""
 
     def walk(self) -> Iterator[StateSpec]:
         """This state and all inside it, in document order."""

@@ -6,6 +6,7 @@ import ast
 import re
 import warnings
 from dataclasses import dataclass
+from keyword import iskeyword
 
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, Dimension, in_unit
@@ -21,6 +22,7 @@ _STRING = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
 _PLACEHOLDER = 0x20000
 """First of a run of letters (CJK extension B) that stand for quantities while Python parses."""
 
+_FORBIDDEN = re.compile(f"[\0\ud800-\udfff{chr(_PLACEHOLDER)}-\U0010ffff]")
 _LINE_ENDS = str.maketrans("\n\r\f\v", "    ")
 
 
@@ -30,9 +32,13 @@ class Parsed:
 
     tree: ast.expr
     quantities: dict[str, tuple[float, Dimension]]
-    parts: int
     source: str
     where: Where
+
+    @property
+    def parts(self) -> int:
+        """How many expressions and comprehensions it consists of; slow, and seldom asked."""
+        return sum(isinstance(node, (ast.expr, ast.comprehension)) for node in ast.walk(self.tree))
 
     def place(self, node: ast.AST) -> Where:
         """Where a part of it stands in the file."""
@@ -52,12 +58,17 @@ def parse(text: str, where: Where) -> Parsed:
         )
     if not text.strip():
         raise UserError("empty-expression", "an expression is missing here", where)
-    for column, letter in enumerate(text):
-        if ord(letter) >= _PLACEHOLDER or letter == "\0" or "\ud800" <= letter <= "\udfff":
-            raise UserError(
-                "bad-expression", "this letter is not allowed here", where.right(column)
-            )
+    letter = _FORBIDDEN.search(text)
+    if letter:
+        place = where.right(letter.start())
+        raise UserError("bad-expression", "this letter is not allowed here", place)
     masked, quantities = _mask_quantities(text)
+    word = masked.strip(" \t\n\r\f\v")
+    if word in quantities or (word.isascii() and word.isidentifier() and not iskeyword(word)):
+        # A name or a quantity by itself, as most values and durations are: that is known at once.
+        column = 1 + masked.index(word)
+        name = ast.Name(word, ast.Load(), lineno=1, col_offset=column)
+        return Parsed(name, quantities, f"({masked})", where)
     # One line, in parentheses, so that Python neither minds line ends nor leading blanks.
     source = f"({masked})".translate(_LINE_ENDS)
     try:
@@ -75,15 +86,16 @@ def parse(text: str, where: Where) -> Parsed:
         ) from None
     except (RecursionError, MemoryError, ValueError):
         raise too_deep(where) from None
-    parts = sum(isinstance(node, (ast.expr, ast.comprehension)) for node in ast.walk(tree))
-    if parts > MAX_NODES:
+    parsed = Parsed(tree, quantities, source, where)
+    # Every part has a letter of its own, so that most need not be counted.
+    if len(text) > MAX_NODES and parsed.parts > MAX_NODES:
         raise UserError(
             "expression-too-long",
-            f"an expression has at most {MAX_NODES} parts; this one has {parts}",
+            f"an expression has at most {MAX_NODES} parts; this one has {parsed.parts}",
             where,
             "give parts of it names in `define`",
         )
-    return Parsed(tree, quantities, parts, source, where)
+    return parsed
 
 
 def too_deep(where: Where) -> UserError:

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Self
@@ -122,10 +122,13 @@ class Trial:
         """Seconds that were lived through."""
         self._periods = 0
         self._values = {name: _blank(type_) for name, type_ in graph.vocabulary.names.items()}
-        self._refuse_unknown()
+        self._refuse_unknown(parameters or {})
         self.instance = Instance(graph, host, parameters)
 
-    def _refuse_unknown(self) -> None:
+    def _refuse_unknown(self, parameters: Mapping[str, Any]) -> None:
+        for name in parameters.keys() - self.graph.parameters.keys():
+            hint = nearest(name, self.graph.parameters)
+            raise ValueError(f"this graph has no parameter '{name}': {hint}")
         invoked = {
             node.path: node.invocation.behavior for node in self.graph.nodes if node.invocation
         }
@@ -149,18 +152,14 @@ class Trial:
 
     def until(self, state: str, within: float = 60.0) -> Self:
         """Let time pass until a state is active. Fails when it is not ``within`` seconds."""
-        for _ in range(round(within / PERIOD) + 1):
-            if self.is_active(state):
-                return self
-            self._period()
+        if self._passes(within, lambda: self.is_active(state)):
+            return self
         raise AssertionError(f"'{state}' was not reached within {within:g} s\n{self._story()}")
 
     def end(self, within: float = 600.0) -> str:
         """Let time pass until the mission ends; its outcome."""
-        for _ in range(round(within / PERIOD)):
-            if self.outcome is not None:
-                return self.outcome
-            self._period()
+        if self._passes(within, lambda: self.outcome is not None):
+            return str(self.outcome)
         raise AssertionError(f"the mission did not end within {within:g} s\n{self._story()}")
 
     def send(self, event: str, **fields: Any) -> Self:
@@ -174,8 +173,12 @@ class Trial:
             if name not in self._values:
                 raise ValueError(f"there is no '{name}' here: {nearest(name, self._values)}")
             old = self._values[name]
-            merges = isinstance(value, Mapping) and isinstance(old, SimpleNamespace)
-            self._values[name] = SimpleNamespace(**{**vars(old), **value}) if merges else value
+            if isinstance(value, Mapping) and isinstance(old, SimpleNamespace):
+                for field in value.keys() - vars(old).keys():
+                    hint = nearest(field, vars(old))
+                    raise ValueError(f"there is no '{name}.{field}' here: {hint}")
+                value = SimpleNamespace(**{**vars(old), **value})
+            self._values[name] = value
         return self
 
     def assert_path(self, *states: str) -> Self:
@@ -212,6 +215,13 @@ class Trial:
         if slot is None:
             raise ValueError(f"there is no variable '{name}'")
         return self.instance.slots[slot]
+
+    def _passes(self, within: float, reached: Callable[[], bool]) -> bool:
+        """Let time pass until it is reached; whether it was, by periods that begin ``within``."""
+        last = self.time + within + PERIOD / 2
+        while not reached() and self._periods * PERIOD < last:
+            self._period()
+        return reached()
 
     def _period(self) -> None:
         self.time = self._periods * PERIOD

@@ -79,9 +79,14 @@ class Translator:
         self.loops = False
         """Whether it has comprehensions, whose steps are counted in ``b``."""
         self.parsed = parse(text, where)
-        self.cost = self.parsed.parts
+        self.defined = 0
+        """Parts of the defines it uses."""
         self._objects: set[str] = set()
         """Pieces of code whose value is an object of the host's, with attributes."""
+
+    @property
+    def cost(self) -> int:
+        return self.parsed.parts + self.defined
 
     def translate(self) -> tuple[str, Type]:
         try:
@@ -212,7 +217,7 @@ class Translator:
             code, type_ = inner.translate()
         finally:
             define.busy = False
-        self.cost += inner.cost
+        self.defined += inner.cost
         self.reads |= inner.reads
         self.loops = self.loops or inner.loops
         if self.cost > MAX_COST:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fsm.faults import Faults
-from fsm.graph import Node, entry_set
+from fsm.graph import Node
 from fsm.reader import MAX_STATE_DEPTH
 from fsm.spec import MissionSpec, StateSpec
 from vencejo.errors import UserError, nearest
@@ -22,6 +22,8 @@ class Tree:
         self.faults = faults
         self.nodes: list[Node] = []
         self.specs: dict[int, StateSpec] = {}
+        self.named: dict[int, dict[str, Node]] = {}
+        """The children of a state by name."""
         self.first_slot = first_slot
         self.graphs: dict[int, MissionSpec] = {}
         """The graph that begins at a state."""
@@ -53,8 +55,9 @@ class Tree:
             if len(node.ancestors) > MAX_STATE_DEPTH:
                 message = f"with all includes, states nest more than {MAX_STATE_DEPTH} deep"
                 raise UserError("too-deep", message, spec.include.where)
-            included = mission.included[spec.include.text]
-            node.children = (self.begin(included, node, f":{included.name}", path),)
+            included = mission.included.get(spec.include.text)
+            if included is not None:
+                node.children = (self.begin(included, node, f":{included.name}", path),)
         else:
             # The states of an included graph are known by the state that includes it.
             prefix = path.partition(":")[0] if spec.name.startswith(":") else path
@@ -63,13 +66,20 @@ class Tree:
                 for child in spec.states
             )
         node.last = len(self.nodes) - 1
+        self.named[node.index] = {
+            child.local_name: child for child in node.children if not child.border
+        }
         return node
+
+    def lacks(self, node: Node) -> bool:
+        """Whether a state includes a graph that was not found: anything might be in there."""
+        return self.specs[node.index].include is not None and not node.children
 
     def link(self) -> None:
         """Initial states and where history goes the first time."""
         for node in self.nodes:
             spec = self.specs[node.index]
-            if node.type == "compound":
+            if node.type == "compound" and not self.lacks(node):
                 node.initial = self.initial(node, spec)
             elif spec.initial:
                 self.faults.fail(
@@ -134,8 +144,7 @@ class Tree:
         first, _, rest = scalar.text.partition(".")
         place: Node | None = source
         while place is not None:
-            named = (child for child in place.children if child.local_name == first)
-            found = next((child for child in named if not child.border), None)
+            found = self.named[place.index].get(first)
             if found is not None:
                 self.warn_hidden(found, place, scalar)
                 target = self.inside(found, rest) if rest else found
@@ -166,14 +175,14 @@ class Tree:
     def warn_hidden(self, found: Node, place: Node, scalar: Scalar) -> None:
         """A state further out has the same name as the one that a target means."""
         for outer in place.outwards():
-            for other in outer.children:
-                if other.local_name == found.local_name and other is not found:
-                    self.faults.warn(
-                        "hidden-state",
-                        f"'{found.local_name}' means '{found.path}' here, not '{other.path}'",
-                        scalar.where,
-                        "give one of the two another name",
-                    )
+            other = self.named[outer.index].get(found.local_name)
+            if other is not None and other is not found:
+                self.faults.warn(
+                    "hidden-state",
+                    f"'{found.local_name}' means '{found.path}' here, not '{other.path}'",
+                    scalar.where,
+                    "give one of the two another name",
+                )
 
 
 def domain_of(source: Node, targets: tuple[Node, ...], reenter: bool) -> Node:
@@ -187,10 +196,3 @@ def domain_of(source: Node, targets: tuple[Node, ...], reenter: bool) -> Node:
         if ancestor.type == "compound" and all(ancestor.contains(target) for target in targets):
             return ancestor
     return source.ancestors[-1]
-
-
-def through_history(domain: Node, targets: tuple[Node, ...]) -> bool:
-    """Whether history decides what is entered: then the entry set is found in flight."""
-    found = entry_set(domain, targets, lambda history: ())
-    touched = {*targets, *(initial for node in found for initial in node.initial)}
-    return any(node.type == "history" for node in touched)

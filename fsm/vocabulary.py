@@ -48,6 +48,8 @@ class Behavior:
     controls: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     ends_landed: bool = False
+    on_trust: bool = False
+    """Nothing but its name is known: whatever a graph says of it is believed."""
     implementation: Any = None
     """Whatever the host makes a running behaviour of."""
 
@@ -61,6 +63,8 @@ class Function:
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     implementation: Any = None
     """Whatever the host runs for it."""
+    on_trust: bool = False
+    """Nothing but its name is known: whatever a graph gives it is believed."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,8 @@ class Vocabulary:
     """Names, or families like ``operator.*``, that go ahead of all other events."""
     reactions: Mapping[str, Reaction] = field(default_factory=dict)
     """Event → what the host does when nobody handles it; what is not named gets ``land``."""
+    must_land: tuple[str, ...] = ()
+    """Urgent events after which a mission must come to the ground (see :mod:`fsm.safety`)."""
     places: frozenset[str] | None = None
     """Named places of the world, where known before the flight."""
     functions: Mapping[str, Function] = field(default_factory=dict)

@@ -1,7 +1,8 @@
-"""The words of the mission language: which keys may stand where."""
+"""The words of the mission language: which keys may stand where, and what names look like."""
 
 from __future__ import annotations
 
+import re
 from typing import get_args
 
 from fsm.spec import ActionKind
@@ -51,3 +52,12 @@ NOT_YET = frozenset({"filters"})
 """Words of the language that this version does not fly yet."""
 TRANSITION_KEYS = frozenset({"target", "guard", "actions", "for", "reenter", "name", "description"})
 ACTIONS = frozenset(get_args(ActionKind))
+
+SMALL_NAME = re.compile(r"[a-z][a-z0-9_]*")
+"""Of states, outcomes and vehicles."""
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+"""Of parameters, data and whatever else an expression can name."""
+MISSION_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+EVENT_NAME = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
+TRIGGER = re.compile(r"\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?")
+"""What may stand under `on`: an outcome, an event, all of a family, or all."""

@@ -1,6 +1,6 @@
 """Vehicles: the contract that missions fly on, and its backends found by name."""
 
-from hal.backends import backend_names, open_backend
+from hal.backends import backend_capabilities, backend_names, open_backend
 from hal.vehicle import (
     PERIOD,
     Camera,
@@ -41,6 +41,7 @@ __all__ = [
     "Vehicle",
     "Velocity",
     "VisionPose",
+    "backend_capabilities",
     "backend_names",
     "open_backend",
 ]

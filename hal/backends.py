@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from importlib.metadata import entry_points
 
 from hal.vehicle import Options, Session
@@ -15,6 +16,24 @@ def backend_names() -> list[str]:
     return sorted({point.name for point in entry_points(group=GROUP)})
 
 
+def backend_capabilities(name: str) -> frozenset[str]:
+    """What a backend's vehicles can do, told by ``CAPABILITIES`` of its module; opens nothing.
+
+    Raises UserError (``unknown-backend``, ``unknown-capabilities``).
+    """
+    for point in entry_points(group=GROUP):
+        if point.name == name:
+            offered = getattr(import_module(point.module), "CAPABILITIES", None)
+            if offered is None:
+                raise UserError(
+                    "unknown-capabilities",
+                    f"the backend '{name}' does not say what its vehicles can do",
+                    hint="its module declares CAPABILITIES; without it only a flight can tell",
+                )
+            return frozenset(offered)
+    raise _unknown(name)
+
+
 def open_backend(name: str, options: Options) -> Session:
     """Open a session of the backend; use it in a ``with``.
 
@@ -25,6 +44,10 @@ def open_backend(name: str, options: Options) -> Session:
         if point.name == name:
             session: Session = point.load()(options)
             return session
-    raise UserError(
+    raise _unknown(name)
+
+
+def _unknown(name: str) -> UserError:
+    return UserError(
         "unknown-backend", f"no backend is called '{name}'", hint=nearest(name, backend_names())
     )

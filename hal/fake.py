@@ -7,9 +7,10 @@ a test may want to go wrong is an attribute of :class:`FakeVehicle`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot, inf, isfinite
+from math import hypot, inf
 from types import MappingProxyType
 
+from hal.orders import Orders
 from hal.vehicle import (
     PERIOD,
     Camera,
@@ -23,7 +24,6 @@ from hal.vehicle import (
     Unavailable,
     VisionPose,
 )
-from vencejo.errors import UserError
 from vencejo.geometry import Point, horizontal_distance, rotate_xy, wrap, yaw_quaternion
 
 _STILL = Point(0.0, 0.0, 0.0)
@@ -69,7 +69,7 @@ class FakeVehicle:
         self._turning = 0.0
         self._target = _STILL
         self._setpoint: Setpoint = Hold()
-        self._orders: dict[str, Order] = {}
+        self._orders = Orders()
 
     @property
     def name(self) -> str:
@@ -111,9 +111,8 @@ class FakeVehicle:
         return Order("disarm", "done")
 
     def takeoff(self, altitude: float) -> Order:
-        refused = self._refused("takeoff")
-        if refused or "takeoff" in self._orders:
-            return refused or self._orders["takeoff"]
+        if order := self._refused("takeoff") or self._orders.get("takeoff"):
+            return order
         if self._mode in ("flying", "returning") and self.position.z > 0:
             return Order("takeoff", "done")
         if self._mode == "stopped":
@@ -125,9 +124,8 @@ class FakeVehicle:
         return self._begin("takeoff", "taking-off")
 
     def land(self) -> Order:
-        refused = self._refused("land")
-        if refused or "land" in self._orders:
-            return refused or self._orders["land"]
+        if order := self._refused("land") or self._orders.get("land"):
+            return order
         if self._mode == "landed":
             self._armed = False
             return Order("land", "done")
@@ -136,9 +134,8 @@ class FakeVehicle:
         return self._begin("land", "landing")
 
     def return_home(self) -> Order:
-        refused = self._refused("return_home")
-        if refused or "return_home" in self._orders:
-            return refused or self._orders["return_home"]
+        if order := self._refused("return_home") or self._orders.get("return_home"):
+            return order
         if self._mode == "landed" and horizontal_distance(self.position, self._home) < 0.5:
             return Order("return_home", "done")
         if self._mode in ("landed", "stopped"):
@@ -162,19 +159,12 @@ class FakeVehicle:
         return Order(verb, "refused", reason) if reason else None
 
     def _begin(self, verb: str, mode: str) -> Order:
-        self._end_orders(f"ended by: {verb}")
         self._mode = mode
-        order = self._orders[verb] = Order(verb, "accepted")
-        return order
-
-    def _end_orders(self, reason: str = "") -> None:
-        for order in self._orders.values():
-            order.state, order.reason = ("refused", reason) if reason else ("done", "")
-        self._orders.clear()
+        return self._orders.begin(verb)
 
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
-        self._end_orders(reason)
+        self._orders.end(reason)
         self._mode = "stopped" if self.position.z > 0 else "landed"
 
     # Commands.
@@ -183,18 +173,13 @@ class FakeVehicle:
         self.commands.append(setpoint)
         if self._mode in ("landed", "stopped") or (self.position.z <= 0 and self._mode != "flying"):
             return
-        self._end_orders("ended by a command")
+        self._orders.end("ended by a command")
         self._mode = "flying"
         self._setpoint = setpoint
 
     def configure(self, limits: Limits) -> None:
         """Change limits in flight. Raises UserError (``bad-limit``)."""
-        given = {name: getattr(limits, name) for name in Limits.__slots__}
-        given = {name: value for name, value in given.items() if value is not None}
-        for name, value in given.items():
-            if not (isfinite(value) and value > 0):
-                raise UserError("bad-limit", f"'{name}' must be a number above 0, not {value:g}")
-        self.limits |= given
+        self.limits |= limits.given()
 
     def camera(self, name: str) -> Camera:
         raise Unavailable(f"the vehicle has no camera '{name}'")
@@ -260,7 +245,7 @@ class FakeVehicle:
     def _reach(self) -> None:
         """Enter the next mode where the present one has got to its end."""
         if self._mode == "taking-off" and abs(self.position.z - self._target.z) < 1e-6:
-            self._end_orders()
+            self._orders.end()
             self._mode, self._setpoint = "flying", Hold()
         elif self._mode == "returning" and horizontal_distance(self.position, self._home) < 1e-6:
             self._mode = "landing"

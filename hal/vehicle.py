@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
+from vencejo.errors import UserError
 from vencejo.geometry import Point, Quaternion
 
 if TYPE_CHECKING:
@@ -120,6 +122,15 @@ class Limits:
     """rad/s."""
     max_altitude: float | None = None
     """World frame, metres."""
+
+    def given(self) -> dict[str, float]:
+        """Those to change, by name. Raises UserError (``bad-limit``)."""
+        found = {name: getattr(self, name) for name in self.__slots__}
+        found = {name: value for name, value in found.items() if value is not None}
+        for name, value in found.items():
+            if not (isfinite(value) and value > 0):
+                raise UserError("bad-limit", f"'{name}' must be a number above 0, not {value:g}")
+        return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -80,18 +80,22 @@ def read_file(path: Path, shown_as: str | None = None) -> Mapping:
     """The map a YAML file consists of. Raises UserError for whatever keeps it from being one."""
     name = shown_as or str(path)
     place = Where(name)
-    if not path.exists():
-        raise UserError("no-such-file", f"there is no file '{name}'", place)
-    if path.is_dir():
-        raise UserError("not-a-file", f"'{name}' is a folder", place, "name a .yaml file inside it")
     try:
-        if path.stat().st_size > MAX_BYTES:
+        with path.open("rb") as file:
+            # What is no plain file may have no end.
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
             raise UserError("too-large", "the file is larger than 1 MiB", place)
-        text = path.read_bytes().decode("utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise UserError(
             "not-text", f"the file is no UTF-8 text (byte {error.start})", place
         ) from None
+    except (FileNotFoundError, ValueError):
+        raise UserError("no-such-file", f"there is no file '{name}'", place) from None
+    except IsADirectoryError:
+        hint = "name a .yaml file inside it"
+        raise UserError("not-a-file", f"'{name}' is a folder", place, hint) from None
     except OSError as error:
         reason = error.strerror or str(error)
         raise UserError("unreadable", f"cannot read '{name}': {reason}", place) from None

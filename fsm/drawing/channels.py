@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 NEAR = 4.0
@@ -95,16 +96,18 @@ def _sorted(parts: list[_Part]) -> tuple[list[int], list[_Part]]:
     for part in parts:
         for index in part.below:
             above[index] += 1
-    ready = [index for index, count in enumerate(above) if not count]
+    ranks = [_rank(part) for part in parts]
+    ready = [(ranks[index], index, index) for index, count in enumerate(above) if not count]
+    heapify(ready)
     order: list[int] = []
     while ready:
-        ready.sort(key=lambda index: _rank(parts[index]))
-        index = ready.pop(0)
+        index = heappop(ready)[-1]
         order.append(index)
         for other in parts[index].below:
             above[other] -= 1
             if not above[other]:
-                ready.append(other)
+                # Of equals, the one that was ready sooner comes first.
+                heappush(ready, (ranks[other], len(parts) + len(order), other))
     placed = set(order)
     return order, [part for index, part in enumerate(parts) if index not in placed]
 

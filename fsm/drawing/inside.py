@@ -217,17 +217,20 @@ def _finish(made: Inside, children: dict[Node, Inside], ports: tuple[int, int]) 
     made.height = y
 
 
+def _net(wires: Wires) -> Net:
+    net = Net([], [])
+    for item, top in wires.terminals:
+        (net.lower if top else net.upper).append(_x(item, top, wires.key))
+    net.upper.sort()
+    net.lower.sort()
+    return net
+
+
 def _channel(made: Inside, channel: list[Wires], y: float) -> float:
     """Give the lines of a channel their tracks; where it ends."""
     if not channel:
         return y + 4
-    nets = [
-        Net(
-            sorted(_x(item, False, wires.key) for item in wires.side(upper=True)),
-            sorted(_x(item, True, wires.key) for item in wires.side(upper=False)),
-        )
-        for wires in channel
-    ]
+    nets = [_net(wires) for wires in channel]
     tracks = route(nets, 4.0, made.width - 4)
     for wires, net in zip(channel, nets, strict=True):
         made.nets[wires] = net, y + TRACK

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from fsm.drawing.words import edge_label, node_lines, stays
 from fsm.graph import Graph, Node
 
+_OTHERS = str.maketrans('";#:{}<>\\', "',＃∶()＜＞＼")
+
 
 def write_mermaid(graph: Graph) -> str:
     """The states and transitions of a graph; what stays inside a state is told in its box."""
-    lines = ["---", f"title: {graph.name}", "---", "stateDiagram-v2"]
+    lines = ["---", f'title: "{_plain(graph.name)}"', "---", "stateDiagram-v2"]
     for child in graph.root.children:
         lines.extend(_state(child, "  "))
     lines.extend(_start(graph.root, "  "))
@@ -25,7 +27,7 @@ def _id(node: Node) -> str:
 
 def _state(node: Node, indent: str) -> Iterator[str]:
     name = ("H*" if node.deep else "H") if node.type == "history" else node.local_name
-    text = "\\n".join([name, *map(_plain, node_lines(node))])
+    text = "\\n".join(map(_plain, [name, *node_lines(node)]))
     yield f'{indent}state "{text}" as {_id(node)}'
     if not node.children:
         return
@@ -63,6 +65,4 @@ def _edges(node: Node) -> Iterator[str]:
 
 def _plain(text: str) -> str:
     """Without the letters that mean something to Mermaid."""
-    for letter, other in (('"', "'"), (";", ","), ("#", "＃"), (":", "∶"), ("{", "("), ("}", ")")):
-        text = text.replace(letter, other)
-    return text
+    return " ".join(text.split()).translate(_OTHERS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right, insort
+from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -134,10 +134,15 @@ def _crossings(rows: Rows, lower: Links) -> int:
     for row in rows.rows:
         ends: list[float] = []
         for item in row:
-            found = sorted(other.place + apart * 1e-6 for other, apart, _ in lower[item])
-            total += sum(len(ends) - bisect_right(ends, end) for end in found)
-            for end in found:
-                insort(ends, end)
+            found = [other.place + apart * 1e-6 for other, apart, _ in lower[item]]
+            if len(found) > 1:
+                found.sort()
+            before = len(ends)
+            for past, end in enumerate(found):
+                # Its own lines, which end in order, do not cross each other.
+                place = bisect_right(ends, end)
+                total += before + past - place
+                ends.insert(place, end)
     return total
 
 
@@ -153,8 +158,10 @@ def _free_ports(rows: Rows) -> None:
         wished = [_opposite(wires, item) - item.x for wires in found]
         half = item.width / 2 - BORDER
         if item.node is not None and item.node.type == "history":
-            half = 0.0
-        places = slots(wished, list(ports.values()), -half, half, PORT_GAP)
+            # Too small for ports: its lines part further on.
+            places = [0.0] * len(found)
+        else:
+            places = slots(wished, list(ports.values()), -half, half, PORT_GAP)
         for wires, at in zip(found, places, strict=True):
             ports[wires.key] = float(round(at))
 

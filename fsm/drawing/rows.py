@@ -67,10 +67,6 @@ class Wires:
     terminals: list[Terminal] = field(default_factory=list)
     sink: Terminal | None = None
 
-    def side(self, upper: bool) -> list[Item]:
-        """The items above the channel (their lower sides), or those beneath it."""
-        return [item for item, top in self.terminals if top != upper]
-
 
 class Rows:
     """Items in rows, and what joins them."""

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Collection, Iterator, Sequence
-from html import escape
+from itertools import pairwise
 
 from fsm.drawing.inside import LABEL_SIZE, LINE_HEIGHT, LINE_SIZE, NAME_SIZE, PAD
 from fsm.drawing.layout import draw
 from fsm.drawing.picture import XY, Box, Line, Picture
 from fsm.graph import Graph
+from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
+Piece = tuple[str, XY, XY]
+"""A straight piece of a line, with what the line leads to."""
 STYLE = f"""\
 text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1f2933; }}
 .name {{ font-size: {NAME_SIZE:g}px; font-weight: bold; }}
@@ -42,20 +46,21 @@ def write_svg(graph: Graph) -> str:
 def render(picture: Picture, active: Collection[str] = ()) -> str:
     """A picture as SVG; ``active`` are the paths of states to highlight."""
     width, height = f"{picture.width:g}", f"{picture.height:g}"
+    drawn: set[Piece] = set()
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
             f'viewBox="0 0 {width} {height}" role="img">',
-            f"<title>{escape(picture.name)}</title>",
-            f"<desc>{escape(picture.description)}</desc>",
-            f"<style>{escape(STYLE, quote=False)}</style>",
+            f"<title>{_escape(picture.name)}</title>",
+            f"<desc>{_escape(picture.description)}</desc>",
+            f"<style>{html.escape(STYLE, quote=False)}</style>",
             '<rect class="page" width="100%" height="100%"/>',
             *(part for box in picture.boxes for part in _box(box, box.path in active)),
             *(
                 f'<path class="apart" d="M{_xy(one)} L{_xy(two)}"/>'
                 for one, two in picture.separators
             ),
-            *(part for line in picture.lines for part in _line(line)),
+            *(part for line in picture.lines for part in _line(line, drawn)),
             "</svg>\n",
         ]
     )
@@ -65,7 +70,7 @@ def _box(box: Box, active: bool) -> Iterator[str]:
     leaf = box.kind in ("atomic", "final", "history")
     kind = "box leaf" if leaf else "box even" if box.depth % 2 else "box"
     kind += " active" if active else ""
-    yield f'<g data-state="{escape(box.path)}"><title>{escape(box.title)}</title>'
+    yield f'<g data-state="{_escape(box.path)}"><title>{_escape(box.title)}</title>'
     if box.kind == "history":
         x, y, radius = box.x + box.width / 2, box.y + box.height / 2, box.width / 2
         yield f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}"/>'
@@ -91,23 +96,39 @@ def _rect(kind: str, box: Box, inset: float) -> str:
 
 
 def _text(kind: str, x: float, y: float, text: str, more: str = "") -> str:
-    return f'<text class="{kind}" x="{x:g}" y="{y:g}"{more}>{escape(text)}</text>'
+    return f'<text class="{kind}" x="{x:g}" y="{y:g}"{more}>{_escape(text)}</text>'
 
 
-def _line(line: Line) -> Iterator[str]:
-    yield f"<g><title>{escape(line.title)}</title>"
+def _line(line: Line, drawn: set[Piece]) -> Iterator[str]:
+    yield f"<g><title>{_escape(line.title)}</title>"
     if line.dot:
         x, y = line.points[0]
         yield f'<circle class="dot" cx="{x:g}" cy="{y - 5:g}" r="5"/>'
     (x, y), up = line.points[-1], line.points[-1][1] < line.points[-2][1]
     base = y + 8 if up else y - 8
-    yield f'<path class="line" d="{_curve([*line.points[:-1], (x, base)])}"/>'
+    own = _own(line.target, [*line.points[:-1], (x, base)], drawn)
+    yield f'<path class="line" d="{_curve(own)}"/>'
     yield f'<path class="head" d="M{x:g} {y:g} L{x - 4:g} {base:g} L{x + 4:g} {base:g} Z"/>'
     if line.label:
         for index, text in enumerate(line.label.lines):
             bottom = line.label.y + LINE_HEIGHT * (index + 1) - 4
             yield _text("label", line.label.x, bottom, text)
     yield "</g>"
+
+
+def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
+    """A line up to where another to the same target goes on for both, and is drawn already."""
+    for index, (one, two) in enumerate(pairwise(points)):
+        if (target, one, two) in drawn:
+            # A little of that piece as well: what is drawn twice looks thicker.
+            return [*points[: index + 1], _along(one, two, min(2 * ROUND, _length(one, two) / 2))]
+        drawn.add((target, one, two))
+    return points
+
+
+def _escape(text: str) -> str:
+    """A text for XML; what cannot stand there at all becomes a sign for that."""
+    return html.escape(ILLEGAL.sub("\ufffd", text))
 
 
 def _curve(points: Sequence[XY]) -> str:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from fsm.configuration import Event
+from fsm.event import Event
 from fsm.expressions import Compiled, Function
 from fsm.faults import Faults
-from fsm.functions import EvaluationError, shown
+from fsm.functions import LOOP_BUDGET, Budget, EvaluationError, shown
 from fsm.graph import Action
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import (
@@ -23,7 +23,8 @@ from fsm.scxml.values import text_of
 from fsm.types import ANY
 from vencejo.errors import UserError, Where, nearest
 
-_DELAY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(ms|s)\s*")
+_DELAY = re.compile(r"\s*(\d{1,12}(?:\.\d*)?|\.\d+)\s*(ms|s)\s*")
+"""No more digits than time has use for: a long row of them is neither infinite nor slow to read."""
 _INTERNAL = "#_internal"
 _PROCESSORS = ("scxml", "http://www.w3.org/TR/scxml/#SCXMLEventProcessor")
 
@@ -38,6 +39,8 @@ class Content:
     faults: Faults
     counter: int
     """Slot of the number of events sent without an id."""
+    budget: Budget | None = None
+    """What the outermost of the loops around may still do, with those inside it."""
 
     def blocks(self, handlers: Iterable[Element]) -> tuple[Action, ...]:
         """Several handlers in a row: one that fails does not keep the next from running."""
@@ -137,7 +140,7 @@ class Content:
         where = element.text_where or element.where
         statements = [
             (self.variable(assignment.name, where), assignment)
-            for assignment in compile_script(element.text.strip(), where, self.names)
+            for assignment in compile_script(element.text, where, self.names)
         ]
 
         def run(instance: Any, event: dict[str, Any]) -> None:
@@ -231,13 +234,16 @@ class Content:
         array = self.value(element, "array")
         item = self.slot(element, "item")
         index = self.slot(element, "index") if element.get("index") is not None else None
-        actions = self.actions(element.children)
+        budget = self.budget or Budget()
+        actions = replace(self, budget=budget).actions(element.children)
 
         def run(instance: Any, event: dict[str, Any]) -> None:
+            if self.budget is None:
+                budget.left = LOOP_BUDGET
             values = array(instance.slots, event)
             if not isinstance(values, list):
                 raise EvaluationError(f"{shown(values)} is no list")
-            for place, value in enumerate(list(values)):
+            for place, value in enumerate(budget.loop(list(values))):
                 instance.slots[item] = value
                 if index is not None:
                     instance.slots[index] = place

@@ -30,6 +30,7 @@ class Element:
     """Where the value of each attribute begins."""
     children: list[Element] = field(default_factory=list)
     text: str = ""
+    """Without the blanks around it, which are layout."""
     text_where: Where | None = None
 
     def get(self, name: str) -> str | None:
@@ -147,7 +148,7 @@ class _Parser:
             element.places[found["name"].decode(errors="replace")] = place
 
     def end(self, tag: str) -> None:
-        self.open.pop().text = "".join(self.texts.pop())
+        self.open.pop().text = "".join(self.texts.pop()).strip()
 
     def characters(self, text: str) -> None:
         element = self.open[-1]
@@ -158,7 +159,8 @@ class _Parser:
 
 
 _TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
-_ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"'])")
+_ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"']).*?(?P=open)", re.DOTALL)
+"""With its value, in which what looks like another attribute is none."""
 
 
 def _name(name: str) -> str:

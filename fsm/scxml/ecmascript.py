@@ -43,6 +43,8 @@ _WORDS: Mapping[str, Any] = {
     "None": None,
     "undefined": None,
 }
+_ASSIGNED = re.compile(r"(?:^|[;\n])[^\S\n]*(?:(?:var|let)\s+)?([A-Za-z_]\w*)\s*=(?!=)")
+"""Blanks before a word end with the line: a script of empty lines is not read again from each."""
 _ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "b": "\b", "f": "\f", "0": "\0"}
 
 
@@ -93,7 +95,7 @@ def compile_script(text: str, where: Where, names: Names) -> list[Assignment]:
 
 def assigned_names(text: str) -> list[str]:
     """The variables that a script assigns."""
-    return re.findall(r"(?:^|[;\n])\s*(?:var\s+|let\s+)?([A-Za-z_]\w*)\s*(?:=(?!=))", text)
+    return _ASSIGNED.findall(text)
 
 
 class _Parser:
@@ -263,6 +265,8 @@ class _Parser:
         value = self.primary()
         while sign := self.accept(".", "["):
             if sign == ".":
+                if self.token.kind != "name":
+                    self.fail(self.token.where, f"'{self.token.text}' is no name of a field")
                 value = _with(member, value, self.take().text)
             else:
                 index = self.expression()

@@ -8,17 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from pathlib import Path
 
 from fsm.includes import mission_of
 from fsm.scxml.document import Element
 from fsm.scxml.writer import DATAMODEL
 from fsm.spec import MissionSpec
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Node, Scalar, Sequence, read_text
 
 _STATES = ("state", "parallel", "final", "history")
 _BLOCKS = {"onentry": "entry", "onexit": "exit", "v:throughout": "throughout"}
 _TRIGGERS = {"event": "on", "v:when": "when", "v:after": "after"}
+_ATTRIBUTES = {
+    "transition": {"event", "cond", "target", "type"},
+    "assign": {"location", "expr"},
+    "raise": {"event"},
+    "cancel": {"sendidexpr"},
+    "log": {"expr"},
+}
+"""Beside ours; of a `send` every attribute is a key of the mission."""
 _SEND = {"event": "event", "id": "id", "delayexpr": "delay"}
 
 Entry = tuple[Scalar, Node]
@@ -29,17 +38,19 @@ def is_mission(root: Element) -> bool:
     return root.get("datamodel") == DATAMODEL
 
 
-def import_mission(root: Element, file: str) -> MissionSpec:
+def import_mission(root: Element, file: str, folder: Path | None = None) -> MissionSpec:
     """The mission of a document that :func:`fsm.scxml.writer.write_scxml` wrote, or like it.
 
-    Raises UserError with all mistakes of form.
+    What it includes lies in ``folder``. Raises UserError with all mistakes of form.
     """
+    if root.tag != "scxml":
+        raise UserError("not-scxml", f"<{root.tag}> is no SCXML document", root.where)
     importer = _Importer(root)
     body = importer.state(root, "")
     name = root.get("name")
     if name is not None:
         body.entries.insert(0, (_key("mission", root), Scalar(name, root.place("name"))))
-    return mission_of(body, file, name or "mission")
+    return mission_of(body, file, name or "mission", folder)
 
 
 class _Importer:
@@ -127,6 +138,7 @@ class _Importer:
             yield _key(kind, element), Mapping(entries, element.where)
 
     def transition(self, element: Element, path: str) -> Node:
+        _refuse_foreign(element)
         entries: list[Entry] = []
         ids = (element.get("target") or "").split()
         if ids:
@@ -173,6 +185,7 @@ class _Importer:
 
 
 def _action(element: Element) -> Entry:
+    _refuse_foreign(element)
     match element.tag:
         case "assign":
             return _named("set", element, [element], "location")
@@ -196,6 +209,19 @@ def _action(element: Element) -> Entry:
     if element.tag.startswith("v:"):
         return _key(element.tag[2:], element), _content(element)
     raise UserError("not-supported", f"<{element.tag}> is no action of a mission", element.where)
+
+
+def _refuse_foreign(element: Element) -> None:
+    """What other programs add to a transition or an action must not be lost in silence."""
+    known = _ATTRIBUTES.get(element.tag, element.attributes)
+    for name in element.attributes:
+        if name not in known and not name.startswith(("v:", "{")):
+            message = f"`{name}` of <{element.tag}> is not part of a mission"
+            raise UserError("not-supported", message, element.place(name), nearest(name, known))
+    inside = element.tag in ("transition", "v:set", "v:append")
+    for child in element.children if not inside else ():
+        message = f"<{child.tag}> in <{element.tag}> is not part of a mission"
+        raise UserError("not-supported", message, child.where)
 
 
 def _name(child: Element, parent: Element) -> str:
@@ -235,7 +261,7 @@ def _value(element: Element, attribute: str) -> Node:
 
 def _content(element: Element) -> Node:
     """The YAML value that is an element's text."""
-    return _yaml(element.text.strip(), element.text_where or element.where)
+    return _yaml(element.text, element.text_where or element.where)
 
 
 _LEAD = "v: "

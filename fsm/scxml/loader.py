@@ -8,22 +8,24 @@ Not supported, and reported: ``invoke``, late binding, data and scripts in other
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import combinations
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 from fsm.expressions import Compiled, constant
 from fsm.faults import Faults
-from fsm.graph import Data, Edge, Graph, Guard, Node, entry_set
+from fsm.graph import Data, Edge, Graph, Guard, Node
 from fsm.scope import FIRST_HOST_SLOT
 from fsm.scxml.content import Content, needed
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import Names, assigned_names, compile_value
+from fsm.shape import dead_alternatives, endless_always, endless_states, unreachable
 from fsm.spec import StateType
-from fsm.tree import domain_of, through_history
+from fsm.tree import domain_of
 from fsm.types import ANY
 from fsm.vocabulary import Vocabulary
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Fault, UserError, Where, nearest
 
 VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})
 """A document names nothing of the host, and the host reacts to nothing in it."""
@@ -73,8 +75,29 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
     faults = Faults()
     graph = _Loader(root, name, vocabulary, faults).graph()
     if faults:
-        raise UserError.of(sorted(faults, key=lambda fault: fault.where or Where("")))
+        raise UserError.of(_in_order(faults))
+    graph.warnings = tuple(_in_order(_odd(graph)))
     return graph
+
+
+def _odd(graph: Graph) -> Iterator[Fault]:
+    """What looks like a mistake. SCXML allows all of it, so that nothing here is an error."""
+
+    def covers(earlier: str, later: str) -> bool:
+        names = (descriptor.removesuffix("*").removesuffix(".") for descriptor in later.split())
+        return all(catches(earlier, name) for name in names)
+
+    for fault in (
+        *endless_states(graph, lambda region: False),
+        *unreachable(graph),
+        *dead_alternatives(graph, covers),
+        *endless_always(graph),
+    ):
+        yield replace(fault, severity="warning")
+
+
+def _in_order(faults: Iterable[Fault]) -> list[Fault]:
+    return sorted(faults, key=lambda fault: fault.where or Where(""))
 
 
 class _Loader:
@@ -101,8 +124,11 @@ class _Loader:
         id_ = "" if parent is None else element.get("id") or f"state.{index}"
         node = ScxmlNode(id_, id_, _type(element), index, element.where)
         node.parent = parent
+        node.border = parent is None
         node.ancestors = (parent, *parent.ancestors) if parent else ()
-        node.deep = element.get("type") == "deep"
+        if element.tag == "history":
+            with self.faults.collecting():
+                node.deep = _kind(element, "shallow", "deep") == "deep"
         node.entered_slot = self.first_slot + index
         if id_ in self.by_id:
             message = f"the id '{id_}' stands twice, first at {self.by_id[id_].where}"
@@ -154,6 +180,7 @@ class _Loader:
             outer_first=False,
             by_path=dict(self.by_id),
             event_slot=event_slot,
+            document=self.root,
         )
 
     # -- data -------------------------------------------------------------------------------
@@ -189,7 +216,7 @@ class _Loader:
                     raise UserError("not-supported", what, element.place("src"))
                 text, where = element.get("expr"), element.place("expr")
                 if text is None and element.text_where is not None:
-                    text, where = element.text.strip(), element.text_where
+                    text, where = element.text, element.text_where
                 first = constant(None, ANY, element.where)
                 if text is not None:
                     first = Compiled(ANY, compile_value(text, where, names), text, where)
@@ -241,7 +268,8 @@ class _Loader:
                     "unknown-target", what, where, nearest(id_, filter(None, self.by_id))
                 )
         targets = tuple(self.by_id[id_] for id_ in ids)
-        for a, b in combinations(targets, 2):
+        # In document order, two that clash have neighbours that do.
+        for a, b in pairwise(sorted(targets, key=lambda target: target.index)):
             common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
             if common.type != "parallel" or common in (a, b):
                 raise UserError(
@@ -289,7 +317,7 @@ class _Loader:
             edge = Edge(node, "always", "always", element.where)
         else:
             edge = Edge(node, "on", needed(element, "event"), element.where)
-        edge.reenter = element.get("type") != "internal"
+        edge.reenter = _kind(element, "external", "internal") == "external"
         edge.guard = self.content.condition(element)
         if edge.guard is not None:
             edge.conditions.append(Guard(edge.guard))
@@ -298,18 +326,7 @@ class _Loader:
         if edge.targets:
             edge.dest = ", ".join(target.path for target in edge.targets)
             edge.domain = domain_of(node, edge.targets, edge.reenter)
-            entered = entry_set(edge.domain, edge.targets, lambda history: ())
-            # In flight, where it depends on history or default entries have actions of their own.
-            fixed = not through_history(edge.domain, edge.targets) and not any(
-                other.type == "compound" and self.has_default_actions(other) for other in entered
-            )
-            edge.entered = tuple(entered) if fixed else None
         return edge
-
-    def has_default_actions(self, node: Node) -> bool:
-        """Asked of the document, since a state further down is not compiled yet."""
-        initial = _transition_of(next(self.elements[node.index].all("initial"), None))
-        return initial is not None and bool(initial.children)
 
 
 def _type(element: Element) -> StateType:
@@ -319,6 +336,15 @@ def _type(element: Element) -> StateType:
         case "scxml":
             return "compound"
     return "compound" if any(element.all("state", "parallel", "final")) else "atomic"
+
+
+def _kind(element: Element, usual: str, other: str) -> str:
+    """Its ``type``, which is one of two words. Raises UserError."""
+    word = element.get("type") or usual
+    if word not in (usual, other):
+        what = f"a <{element.tag}> is {usual} or {other}, not '{word}'"
+        raise UserError("wrong-value", what, element.place("type"), nearest(word, [usual, other]))
+    return word
 
 
 def _transition_of(element: Element | None) -> Element | None:

@@ -19,8 +19,8 @@ MATH: Mapping[str, tuple[int, int, Callable[..., Any]]] = {
     "cos": (1, 1, math.cos),
     "atan2": (2, 2, math.atan2),
     "pow": (2, 2, power),
-    "min": (1, 100, min),
-    "max": (1, 100, max),
+    "min": (1, 100, lambda *numbers: min(numbers)),
+    "max": (1, 100, lambda *numbers: max(numbers)),
 }
 
 

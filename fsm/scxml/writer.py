@@ -17,10 +17,10 @@ from fsm.scxml.document import OURS, SCXML
 from fsm.spec import MissionSpec
 from fsm.tree import Tree
 from vencejo.errors import UserError, Where
+from vencejo.markup import ILLEGAL
 from vencejo.nodes import Mapping, Node, Scalar, Sequence
 
 DATAMODEL = "vencejo"
-_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SAFE = re.compile(r"(?:[^\s\-?:,\[\]{}#&*!|>'\"%@`]|-(?=\S))[^,\[\]{}\n]*")
 _ESCAPED = re.compile("[\x7f-\xa0\u2028\u2029\ufeff]")
 _BLOCKS = {"entry": "onentry", "exit": "onexit", "throughout": "v:throughout"}
@@ -41,7 +41,7 @@ def write_scxml(spec: MissionSpec) -> str:
     writer.state(root, spec.node, "", frozenset({"mission"}))
     Xml.indent(root)
     text = Xml.tostring(root, encoding="unicode")
-    if _ILLEGAL.search(text):
+    if ILLEGAL.search(text):
         message = "a control character in this mission cannot stand in XML"
         raise UserError("not-text", message, Where(spec.file))
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'

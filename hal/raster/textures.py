@@ -81,7 +81,7 @@ def _marker(fiducial: Fiducial) -> Pixels:
     known = dictionary(fiducial.dictionary)
     if not 0 <= fiducial.id < len(known.bytesList):
         raise UserError(
-            "unknown-marker",
+            "no-such-marker",
             f"the dictionary '{fiducial.dictionary}' has no marker {fiducial.id}",
             hint=f"it has 0 to {len(known.bytesList) - 1}",
         )

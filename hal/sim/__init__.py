@@ -3,11 +3,12 @@
 from hal.sim.bullet import Bullet
 from hal.sim.cameras import CameraSpec
 from hal.sim.session import SimSession
+from hal.sim.vehicle import CAPABILITIES
 from hal.vehicle import Options, Session
 from vencejo.errors import UserError
 from worlds import find_world
 
-__all__ = ["CameraSpec", "SimSession", "open_session"]
+__all__ = ["CAPABILITIES", "CameraSpec", "SimSession", "open_session"]
 
 
 def open_session(options: Options) -> Session:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite, pi, tan
+from math import pi, tan
 
 from hal.sim.control import Controller
 from hal.vehicle import Limits
@@ -14,10 +14,7 @@ _STEEPEST = 60 * pi / 180
 
 def set_limits(controller: Controller, limits: Limits) -> None:
     """Change the limits that are given; all or none. Raises UserError (``bad-limit``)."""
-    for name in Limits.__slots__:
-        value = getattr(limits, name)
-        if value is not None and not (isfinite(value) and value > 0):
-            raise UserError("bad-limit", f"'{name}' must be a number above 0, not {value:g}")
+    limits.given()
     if limits.max_tilt is not None and limits.max_tilt > _STEEPEST:
         raise UserError("bad-limit", f"'max_tilt' can be {_STEEPEST:.2f} rad at most")
     if limits.max_speed is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite
 
+from hal.orders import Orders
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.bumps import Bumps
@@ -101,8 +102,7 @@ class SimVehicle:
         self._mode = "landed"
         self._armed = False
         self._supported = True
-        self._orders: dict[str, Order] = {}
-        """Those under way, by verb."""
+        self._orders = Orders()
         self._holding = False
         """Hold is the command in force."""
         self._braking = False
@@ -182,8 +182,8 @@ class SimVehicle:
         return Order("disarm", "done")
 
     def takeoff(self, altitude: float) -> Order:
-        if "takeoff" in self._orders:
-            return self._orders["takeoff"]
+        if order := self._orders.get("takeoff"):
+            return order
         if self._mode in ("flying", "returning") and not self._supported:
             return Order("takeoff", "done")
         health = self._health()
@@ -204,8 +204,8 @@ class SimVehicle:
         return self._begin("takeoff", "taking-off")
 
     def land(self) -> Order:
-        if "land" in self._orders:
-            return self._orders["land"]
+        if order := self._orders.get("land"):
+            return order
         if self._mode == "landed":
             return self.disarm()
         if self._mode == "stopped":
@@ -215,8 +215,8 @@ class SimVehicle:
         return self._begin("land", "landing")
 
     def return_home(self) -> Order:
-        if "return_home" in self._orders:
-            return self._orders["return_home"]
+        if order := self._orders.get("return_home"):
+            return order
         away = horizontal_distance(self._position(), self._home)
         if self._mode == "landed" and away < 0.5:
             return Order("return_home", "done")
@@ -235,10 +235,8 @@ class SimVehicle:
 
     def _begin(self, verb: str, mode: str) -> Order:
         """Put an order in the place of those under way."""
-        self._end_orders(f"ended by: {verb}")
-        order = self._orders[verb] = Order(verb, "accepted")
         self._enter(mode)
-        return order
+        return self._orders.begin(verb)
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
@@ -246,15 +244,9 @@ class SimVehicle:
         self._holding = False
         self._observation = None
 
-    def _end_orders(self, reason: str = "") -> None:
-        """All that is under way is done or, with a reason, refused."""
-        for order in self._orders.values():
-            order.state, order.reason = ("refused", reason) if reason else ("done", "")
-        self._orders.clear()
-
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
-        self._end_orders(reason)
+        self._orders.end(reason)
         self._enter("landed" if self._supported else "stopped")
 
     # Commands.
@@ -265,7 +257,7 @@ class SimVehicle:
         if self._mode in ("landed", "stopped") or (self._supported and self._mode != "flying"):
             return
         if self._mode != "flying":
-            self._end_orders("ended by a command")
+            self._orders.end("ended by a command")
             self._enter("flying")
         controller = self._controller
         if isinstance(setpoint, Hold):
@@ -372,7 +364,7 @@ class SimVehicle:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":
             if self._position().z > self._target - _ARRIVED:
-                self._end_orders()
+                self._orders.end()
                 self._enter("flying")
         elif self._mode == "landing":
             self._update_landing()

@@ -164,3 +164,14 @@ def test_a_flight_with_a_part_missing_is_refused(part: str) -> None:
     with pytest.raises(UserError) as refused:
         resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
     assert refused.value.code == "torn-save"
+
+
+@pytest.mark.parametrize("part", ["origin", "watch", "rng", "last"])
+def test_a_flight_with_a_part_of_another_form_is_refused(part: str) -> None:
+    rig = Rig(HOVER)
+    rig.run(1.0)
+    saved = save_flight(rig.pilot)
+    saved["pilot"][part] = 7
+    with pytest.raises(UserError) as refused:
+        resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
+    assert refused.value.code == "torn-save"

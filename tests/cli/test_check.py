@@ -143,7 +143,7 @@ def test_json_reports_every_mission(hop: str, write: Write) -> None:
     result = run_cli("check", hop, "bad.yaml", "--json")
     good, bad = json.loads(result.out)
     assert result.code == 2
-    assert good == {"mission": "hop.yaml", "states": 3, "faults": []}
+    assert good == {"mission": "hop.yaml", "states": 3, "errors": 0, "warnings": 0, "faults": []}
     assert bad["faults"][0]["code"] == "no-states"
     assert bad["faults"][0]["where"].startswith("bad.yaml:1:")
 
@@ -179,3 +179,134 @@ def test_a_mission_that_went_out_as_scxml_is_checked_as_one(hop: str, tmp_path: 
     wrong = run_cli("check", str(path))
     assert wrong.code == 2
     assert "did you mean 'takeoff'?" in wrong.err
+
+
+MIXED = """\
+statess: {spare: {}}
+states:
+  up: {do: takeoff, onn: {done: down, link.lost: hang}, after: {1 ms: down}}
+  down: {do: land, with: {timeout: 2 m}, on: {done: ovr}}
+  hang: {do: hover, when: {vehicle.battery < 20 %: down}}
+"""
+
+
+def test_faults_of_form_and_of_meaning_are_reported_together_errors_first(write: Write) -> None:
+    write("m.yaml", MIXED)
+    result = run_cli("check", "m.yaml")
+    places = [line.split(": ")[0] for line in result.err.splitlines() if line.startswith("m.yaml:")]
+    assert result.code == 2
+    assert places == [
+        "m.yaml:1:1", "m.yaml:3:21", "m.yaml:4:36", "m.yaml:4:53", "m.yaml:3:65", "m.yaml",
+    ]  # fmt: skip
+    assert result.err.splitlines()[-1] == "m.yaml: 4 errors, 1 warning"
+
+
+def test_what_only_may_follow_from_a_mistake_is_not_told_but_all_else_is(write: Write) -> None:
+    text = (
+        "states:\n  up: {do: takeof, with: {altitude: $hight}, on: {done: down, oops: down}}\n"
+        "  down: {do: land}\n  lost: {do: hover, on: {link.lsot: down}}\n"
+    )
+    write("m.yaml", text)
+    result = run_cli("check", "m.yaml", "--json")
+    found = [(f["where"], f["code"]) for f in json.loads(result.out)[0]["faults"]]
+    # `up` may end with `oops`; whether `lost` is left, or reached, its mistake leaves open.
+    assert found == [
+        ("m.yaml:2:12", "unknown-behaviour"),
+        ("m.yaml:2:38", "unknown-name"),
+        ("m.yaml:3:3", "unhandled-outcome"),
+        ("m.yaml:3:3", "no-way-out"),
+        ("m.yaml:4:26", "unknown-event"),
+    ]
+
+
+def test_a_world_that_is_not_there_hides_nothing(write: Write) -> None:
+    write("m.yaml", "world: yrad\nuses: [mine.py]\n" + START.replace("down", "dwon") + END)
+    result = run_cli("check", "m.yaml", "--json")
+    codes = [fault["code"] for fault in json.loads(result.out)[0]["faults"]]
+    assert codes == ["unknown-world", "no-such-file", "unknown-target"]
+
+
+UNSAFE = (
+    "states:\n  up: {do: takeoff, on: {done: down, link.lost: hang}}\n"
+    "  hang: {do: hover, when: {vehicle.battery < 20 %: down}}\n" + END
+)
+
+
+def test_a_mission_that_may_stay_in_the_air_is_warned_of(write: Write) -> None:
+    write("m.yaml", UNSAFE)
+    result = run_cli("check", "m.yaml")
+    assert result.code == 0
+    assert "m.yaml:2:49: warning: 'link.lost' may leave the vehicle in the air" in result.err
+    assert "up, then 'link.lost' → hang, where it stays [never-lands]" in result.err
+    assert result.out == "m.yaml: may fly, 4 states, 1 warning\n"
+    assert run_cli("check", "m.yaml", "--strict").code == 2
+
+
+def test_annotations_for_github(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    write("a,b.yaml", START.replace("down}", "dwon}") + END)
+    assert "::error" not in run_cli("check", "a,b.yaml").out
+    monkeypatch.setenv("GITHUB_ACTIONS", "true")
+    assert run_cli("check", "a,b.yaml").out == (
+        "::error file=a%2Cb.yaml,title=unknown-target,line=2,col=32::"
+        "there is no state 'dwon' to go to%0Ahint: did you mean 'down'?\n"
+    )
+    write("m.yaml", UNSAFE)
+    assert run_cli("check", "m.yaml").out.startswith("::warning file=m.yaml,title=never-lands,")
+
+
+def test_what_a_backend_offers_is_compared_without_opening_it(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write("m.yaml", START + END)
+    assert run_cli("check", "m.yaml", "--backend", "sim").code == 0
+    monkeypatch.setattr("hal.sim.CAPABILITIES", frozenset({"takeoff", "position"}))
+    result = run_cli("check", "m.yaml", "--backend", "sim")
+    assert result.code == 2
+    assert "m.yaml:3:3: error: 'land' needs 'land', which the backend 'sim' does not offer" in (
+        result.err
+    )
+    assert "it offers: position, takeoff" in result.err
+    result = run_cli("check", "m.yaml", "--backend", "simm")
+    assert (result.code, "did you mean 'sim'?" in result.err) == (2, True)
+
+
+CODE = """
+from pathlib import Path
+from behaviors import Behavior
+
+Path("was_run").touch()
+
+class FlyCircle(Behavior):
+    outcomes = {"done": None, "dizzy": None}
+
+class Other(Behavior):
+    name = "spin"
+"""
+TRUSTING = (
+    "uses: [mine.py]\nstates:\n"
+    "  up: {do: fly_circle, with: {turns: 2}, on: {done: on, dizzy: down, circle.turned: down},"
+    " when: {fly_circle.angle > 3: down}}\n  on: {do: spin, on: {done: down}}\n" + END
+)
+
+
+def test_without_code_own_behaviours_are_taken_on_trust(write: Write) -> None:
+    write("mine.py", CODE)
+    write("m.yaml", TRUSTING)
+    result = run_cli("check", "m.yaml", "--no-code")
+    assert (result.code, result.out) == (0, "m.yaml: may fly, 4 states, 1 warning\n"), result.err
+    assert "[not-proven]" in result.err
+    assert not Path("was_run").exists()
+    write("m.yaml", TRUSTING.replace("do: spin", "do: spinn"))
+    assert "did you mean 'spin'?" in run_cli("check", "m.yaml", "--no-code").err
+    write("mine.py", "class (")
+    assert run_cli("check", "m.yaml", "--no-code").code == 2
+    assert not Path("was_run").exists()
+    write("mine.py", CODE)
+    assert run_cli("check", "m.yaml").code == 2
+    assert Path("was_run").exists()
+
+
+def test_the_schema_is_printed_as_json() -> None:
+    printed = json.loads(run_cli("schema").out)
+    assert printed["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    assert "states" in printed["else"]["properties"]

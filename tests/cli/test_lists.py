@@ -61,6 +61,29 @@ def test_a_list_survives_a_mission_with_a_mistake() -> None:
     assert "(has a mistake" in result.out
 
 
+def test_fleets_are_listed_as_such() -> None:
+    folder = Path("missions")
+    folder.mkdir()
+    (folder / "cat.yaml").write_bytes((SHIPPED / "first_flight.yaml").read_bytes())
+    fleet = "fleet: chase\ndescription: Two of them.\nvehicles: {tom: {mission: cat.yaml}}\n"
+    (folder / "chase.yaml").write_text(fleet)
+    (folder / "torn.yaml").write_text(fleet.replace("cat", "dog"))
+    rows = json.loads(run_cli("missions", "--json").out)
+    assert [row for row in rows if row["fleet"]] == [
+        {"mission": "chase", "description": "Two of them.", "fleet": True},
+        {
+            "mission": "torn",
+            "description": "(has a mistake: there is no file 'dog.yaml')",
+            "fleet": True,
+        },
+    ]
+    assert "chase          (fleet) Two of them.\n" in run_cli("missions").out
+
+
+def test_a_name_too_long_for_a_file_is_no_mission() -> None:
+    assert [run_cli("check", "x" * 300 + end).code for end in ("", ".yaml")] == [2, 2]
+
+
 def test_behaviors_are_listed_and_explained() -> None:
     out = run_cli("behaviors").out
     for name in Catalog():

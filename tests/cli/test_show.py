@@ -24,7 +24,7 @@ hop: Up and down.
 """
 MERMAID = """\
 ---
-title: hop
+title: "hop"
 ---
 stateDiagram-v2
   state "takeoff\\ndo takeoff" as s1
@@ -79,3 +79,15 @@ def test_an_unknown_format_gets_the_nearest(hop: str) -> None:
 def test_pictures_of_shipped_missions_break_no_rule(mission: str) -> None:
     graph = prepare(find(mission)).graph
     assert broken_rules(graph, draw(graph)) == []
+
+
+def test_an_exported_mission_is_checked_with_what_it_includes() -> None:
+    Path("part.yaml").write_text("states: {down: {do: land, on: {done: z}}, z: {type: final}}\n")
+    Path("whole.yaml").write_text(
+        "mission: whole\nstates:\n  up: {do: takeoff, on: {done: rest, failed: rest}}\n"
+        "  rest: {include: part.yaml, on: {done: z, failed: z}}\n  z: {type: final}\n"
+    )
+    assert run_cli("show", "whole.yaml", "--format", "scxml", "-o", "whole.scxml").code == 0
+    shown = [run_cli("show", f"whole.{end}") for end in ("yaml", "scxml")]
+    assert [result.code for result in shown] == [0, 0]
+    assert shown[0].out == shown[1].out

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -131,44 +131,33 @@ def test_sigterm_and_hangup_land_at_once(number: signal.Signals, tmp_path: Path)
     assert landed(tmp_path)
 
 
-def test_a_reader_that_goes_away_ends_it_quietly(tmp_path: Path) -> None:
-    (tmp_path / "m.yaml").write_text(LONG)
-    done = subprocess.run(
-        f"{' '.join(COMMAND)} run m.yaml | head -1",
+def first_line_of(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """A command whose reader goes away after one line."""
+    return subprocess.run(
+        f"{' '.join(COMMAND)} {command} | head -1",
         shell=True,
-        cwd=tmp_path,
+        cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         timeout=30,
         check=False,
     )
+
+
+def test_a_reader_that_goes_away_ends_it_quietly(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(LONG)
+    done = first_line_of("run m.yaml", tmp_path)
     assert "→ up" in done.stdout
     assert done.stderr == ""
     assert landed(tmp_path)
 
 
-def _listing(command: str) -> Callable[[Path], None]:
-    def run(tmp_path: Path) -> None:
-        done = subprocess.run(
-            f"{' '.join(COMMAND)} {command} | head -1",
-            shell=True,
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            capture_output=True,
-            text=True,
-            timeout=30,
-            check=False,
-        )
-        assert done.stderr == ""
-        assert done.stdout.count("\n") == 1
-
-    return run
-
-
 @pytest.mark.parametrize("command", ["behaviors", "missions", "behaviors goto", "--help"])
 def test_lists_end_quietly_too(command: str, tmp_path: Path) -> None:
-    _listing(command)(tmp_path)
+    done = first_line_of(command, tmp_path)
+    assert done.stderr == ""
+    assert done.stdout.count("\n") == 1
 
 
 def test_a_closed_terminal_lands_and_ends(tmp_path: Path) -> None:

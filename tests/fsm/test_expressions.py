@@ -69,6 +69,9 @@ def mistake(text: str, wanted: Type = ANY) -> str:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
+        (" n ", 3),
+        ("true", True),
+        ("word", "tag"),
         ("1 + 2 * 3", 7),
         ("2 ** 3", 8.0),
         ("-n", -3),
@@ -147,6 +150,12 @@ def test_quantities_are_exact() -> None:
         ("", "empty-expression 1"),
         ("   ", "empty-expression 1"),
         ("1 +", "bad-expression 4"),
+        ("nn", "unknown-name 1"),
+        ("  nn ", "unknown-name 3"),
+        (" \xa0n", "bad-expression 2"),
+        ("if", "bad-expression 1"),
+        ("n n", "bad-expression 1"),
+        ("2 m 3 m", "bad-expression 1"),
         ("nn + 1", "unknown-name 1"),
         ("1 + (2 * nope)", "unknown-name 10"),
         ("ítem + nope", "unknown-name 1"),
@@ -299,25 +308,27 @@ def test_hostile_text_is_refused_quickly(text: str) -> None:
     assert time.process_time() - began < 1.0
 
 
-def test_defines_that_double_each_time_are_refused() -> None:
+def chained(pattern: str, length: int) -> Scope:
+    """Defines of which each names the one before it, in the place of ``{}``."""
     made = scope()
-    made.defines["d0"] = Define("d0", (), Scalar("n + n", WHERE), made)
-    for index in range(1, 40):
-        body = Scalar(f"d{index - 1} + d{index - 1}", WHERE)
-        made.defines[f"d{index}"] = Define(f"d{index}", (), body, made)
+    previous = "n"
+    for index in range(length):
+        body = Scalar(pattern.replace("{}", previous), WHERE)
+        previous = f"d{index}"
+        made.defines[previous] = Define(previous, (), body, made)
+    return made
+
+
+def test_defines_that_double_each_time_are_refused() -> None:
     began = time.process_time()
     with pytest.raises(UserError) as raised:
-        compile_expression("d39", WHERE, made)
+        compile_expression("d39", WHERE, chained("{} + {}", 40))
     assert raised.value.code == "expression-too-long"
     assert time.process_time() - began < 1.0
 
 
 def test_a_deep_chain_of_defines_is_refused_not_a_crash() -> None:
-    made = scope()
-    made.defines["d0"] = Define("d0", (), Scalar("n + 1", WHERE), made)
-    for index in range(1, 900):
-        body = Scalar(f"d{index - 1} + 1", WHERE)
-        made.defines[f"d{index}"] = Define(f"d{index}", (), body, made)
+    made = chained("{} + 1", 900)
     with pytest.raises(UserError) as raised:
         compile_expression("d899", WHERE, made)
     assert raised.value.code == "bad-expression"

@@ -151,7 +151,7 @@ CASES: list[tuple[str, str, list[str], str]] = [
     # structure
     ("unhandled outcome", A % "do: go, on: {done: out}", ["2:3 unhandled-outcome"], "blocked"),
     ("all alternatives guarded", A % "do: wait, on: {done: [{guard: 1 > 2, target: out}], operator.abort: out}", ["2:29 guarded-outcome"], "without guard"),
-    ("no way out", A % "do: blink", ["2:3 no-way-out"], "final"),
+    ("no way out", A % "do: blink", ["2:3 no-way-out", "3:3 unreachable", "4:3 unreachable"], "final"),
     ("a companion that ends", A % "do: go, on: {blocked: out, operator.abort: out}, states: {b: {on: {link.lost: b}}}", ["2:3 ending-companion"], ""),
     ("two owners", A % "type: parallel, on: {done: out, operator.abort: out, blocked: out}, states: {b: {do: go}, c: {do: go}}", ["2:97 two-owners"], "one behaviour"),
     ("a region to itself", A % "type: parallel, on: {operator.abort: out}, states: {b: {on: {link.lost: b}}, c: {}}", ["2:79 region-restart"], "reenter"),
@@ -159,7 +159,7 @@ CASES: list[tuple[str, str, list[str], str]] = [
     ("a parallel state into its region", A % "type: parallel, on: {operator.abort: out, link.lost: b}, states: {b: {}, c: {}}", ["2:60 region-restart"], "reenter"),
     ("a dead alternative", on("link.lost: [out, {guard: 1 > 2, target: end}]"), ["2:50 dead-alternative"], "first"),
     ("a dead event", on("link.*: out, link.lost: end"), ["2:57 dead-alternative"], "before"),
-    ("an endless always", A % "always: out" .replace("out", "b") + "  b: {always: a}\n", ["2:15 endless-always", "5:15 endless-always"], ""),
+    ("an endless always", A % "always: out" .replace("out", "b") + "  b: {always: a}\n", ["2:15 endless-always", "5:15 endless-always", "3:3 unreachable", "4:3 unreachable"], ""),
     ("an always without target", A % "always: {actions: {log: x}}, on: {operator.abort: out}", ["2:15 endless-always"], "entry"),
     ("equal durations", A % "after: {1 min: out, 60 s: end}", ["2:27 equal-durations"], "list"),
     ("a final region", A % "type: parallel, on: {operator.abort: out}, states: {b: {type: final}, c: {}}", ["2:59 final-region"], ""),

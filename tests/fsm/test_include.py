@@ -234,7 +234,7 @@ def m(state: str) -> str:
         ({"m": m("with: {levle: 1, at: home}, on: {done: end}")}, ["m.yaml:2:34: unknown-parameter"]),
         ({"m": m("on: {done: end}")}, ["m.yaml:2:16: missing-parameter"]),
         ({"m": m("with: {level: 3 s, at: 1}, on: {done: end}")}, ["m.yaml:2:50: unknown-place"]),
-        ({"m": m("with: {at: home}, on: {operator.abort: end}")}, ["m.yaml:2:3: unhandled-outcome"]),
+        ({"m": m("with: {at: home}, on: {operator.abort: end}")}, ["m.yaml:2:3: unhandled-outcome", "part.yaml:3:28: hidden-handler"]),
         ({"m": m("with: {at: home}, on: {done: end, empty: end}")}, ["m.yaml:2:61: unknown-outcome"]),
         ({"m": m("with: {at: home}, on: {done: x.a}")}, ["m.yaml:2:56: unknown-target"]),
         ({"m": m('with: {at: home}, on: {done: ":part"}')}, ["m.yaml:2:56: unknown-target"]),

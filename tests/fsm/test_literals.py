@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsm.conversion import convert
+from fsm.conversion import convert, converted
 from fsm.functions import FAILURES, EvaluationError
 from fsm.literals import Context, read_value
 from fsm.scope import Binding, Scope
@@ -32,7 +32,7 @@ from fsm.types import (
 from vencejo.errors import UserError
 from vencejo.geometry import Point
 from vencejo.nodes import read_text
-from vencejo.units import ANGLE, LENGTH, SPEED
+from vencejo.units import ANGLE, LENGTH, SPEED, TIME
 
 HERE = Point(1.0, 2.0, 3.0)
 
@@ -192,7 +192,12 @@ def test_mistake(text: str, place: Type, expected: list[str]) -> None:
         (True, Number(), None),
         (float("nan"), Number(), None),
         (float("inf"), Number(ANGLE), None),
+        (10, Number(max=10), 10),
+        (2, Number(TIME, max=10), 2.0),
+        (2.5, Number(TIME, max=10), 2.5),
+        (2.0, Number(whole=True), 2.0),
         (11, Number(max=10), None),
+        (1e300, Number(), None),
         (1.5, Number(whole=True), None),
         (1, BOOL, None),
         (1, TEXT, None),
@@ -208,11 +213,15 @@ def test_mistake(text: str, place: Type, expected: list[str]) -> None:
 def test_values_of_expressions_are_checked_for_their_place(
     value: Any, place: Type, expected: Any
 ) -> None:
+    quickly = converted(lambda slots, event: value, place)
     if expected is None:
         with pytest.raises(EvaluationError):
             convert(value, place)
+        with pytest.raises(EvaluationError):
+            quickly([], None)
     else:
-        assert convert(value, place) == expected
+        for found in (convert(value, place), quickly([], None)):
+            assert (found, type(found)) == (expected, type(expected))
 
 
 @given(st.text(max_size=30), st.sampled_from(sorted(NAMED)))

@@ -58,6 +58,21 @@ def test_questions_by_path_and_by_name() -> None:
         model.is_nowhere()
 
 
+def test_named_questions_belong_to_one_graph_and_hide_no_method() -> None:
+    away = "{on: {word.said: c}}"
+    inside = f"c: {{states: {{same: {away}, other: {away}}}}}"
+    run = Run(f"states: {{active: {away}, b: {{states: {{same: {away}}}}}, {inside}}}")
+    model, first = run.instance, Run(TEXT).instance
+    model.period(0.0)
+    assert model.is_active("active")
+    assert (model.is_b(), model.is_other()) == (False, False)
+    assert not hasattr(model, "is_same"), "two states have this name"
+    assert not hasattr(model, "is_inner")
+    assert not hasattr(first, "is_c")
+    assert not first.is_other()
+    assert type(Instance(run.graph, run)) is type(model)
+
+
 class Told(Instance):
     """A model whose methods are callbacks."""
 

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from fsm.graph import Graph
 from fsm.packing import pack, unpack
 from fsm.saving import read_saved, restore, save, write_saved
+from fsm.scxml import advance, load_document, parse_document
 from tests.fsm.toy import Run, graph_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point
@@ -316,6 +317,37 @@ def test_a_save_with_a_part_missing_is_refused(missing: str) -> None:
     saved = saved_round()
     del saved[missing]
     assert refusal(ROUND, saved).code == "torn-save"
+
+
+def test_a_save_nested_beyond_measure_is_refused(tmp_path: Path) -> None:
+    text = json.dumps({**saved_round(), "output": 0}).replace(
+        '"output": 0', f'"output": {"[" * 900}{"]" * 900}'
+    )
+    (tmp_path / "deep.json").write_text(text)
+    with pytest.raises(UserError) as caught:
+        restore(graph_of(ROUND), Run(ROUND, SCRIPT), read_saved(tmp_path / "deep.json"))
+    assert caught.value.code == "torn-save"
+
+
+def document(guard: str, gap: str = "") -> Graph:
+    text = (
+        f'<scxml xmlns="http://www.w3.org/2005/07/scxml">{gap}<state id="a">'
+        f'<onentry><send event="e" delay="1s"/></onentry>{gap}'
+        f'<transition event="e" cond="{guard}" target="b"/></state><state id="b"/></scxml>'
+    )
+    return load_document(parse_document(text, "d.scxml"), "d")
+
+
+def test_a_document_goes_on_with_what_was_saved_from_it_and_from_no_other() -> None:
+    run = Run("", graph=document("1 &lt; 2"))
+    advance(run.instance, 0.5)
+    saved = through_json(save(run.instance))
+    restored = restore(document("1 &lt; 2", gap="\n  <!-- the same -->\n"), run, saved)
+    advance(restored, 1.5)
+    assert restored.paths() == ["b"]
+    with pytest.raises(UserError) as caught:
+        restore(document("1 &lt; 3"), run, saved)
+    assert caught.value.code == "other-mission"
 
 
 def test_comments_and_layout_make_no_other_mission() -> None:

@@ -29,6 +29,15 @@ from vencejo.errors import UserError
 from vencejo.nodes import read_text
 
 HEAD = '<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0">'
+LINES = "\n" * 300_000
+
+
+def document_run(body: str) -> Run:
+    """A document at rest in its first period."""
+    graph = load_document(parse_document(f"{HEAD}{body}</scxml>", "c"), "c")
+    run = Run("", graph=graph)
+    advance(run.instance, 0.0)
+    return run
 
 
 def faults(body: str) -> list[str]:
@@ -48,10 +57,29 @@ def faults(body: str) -> list[str]:
         ('<state id="a"><transition cond="In(\'b\')"/></state>', ["2:36 unknown-state"]),
         ('<state id="a"><transition cond="Math.sum(1)"/></state>', ["2:38 unknown-function"]),
         ('<state id="a"><invoke/></state>', ["2:15 not-supported"]),
+        (
+            '<state id="a"><onentry><log expr="zz" label=" expr = \'q\'"/></onentry></state>',
+            ["2:35 unknown-name"],
+        ),
+        ('<state id="a"><transition cond="[1].\'length\'"/></state>', ["2:37 bad-expression"]),
+        ('<state id="a"><transition event="e" type="inside"/></state>', ["2:43 wrong-value"]),
+        (
+            '<state id="a"><history type="all"><transition target="b"/></history>'
+            '<state id="b"/></state>',
+            ["2:30 wrong-value"],
+        ),
+        (
+            '<state id="a"><transition target="c a b c"/></state><state id="b"/><parallel id="c"/>',
+            ["2:35 conflicting-targets"],
+        ),
         ('<state id="a"><onentry><fly/></onentry></state>', ["2:24 not-supported"]),
         ('<state id="a"><onentry><assign expr="1"/></onentry></state>', ["2:24 missing-attribute"]),
         (
             '<state id="a"><onentry><send event="e" delay="1 h"/></onentry></state>',
+            ["2:47 bad-delay"],
+        ),
+        (
+            f'<state id="a"><onentry><send event="e" delay="{"9" * 400}s"/></onentry></state>',
             ["2:47 bad-delay"],
         ),
         (
@@ -72,6 +100,29 @@ def faults(body: str) -> list[str]:
 )  # fmt: skip
 def test_every_fault_has_its_place(body: str, found: list[str]) -> None:
     assert faults(body) == [f"c.scxml:{fault.replace(' ', ': ')}" for fault in found]
+
+
+def test_what_is_odd_in_a_document_is_told_as_warnings() -> None:
+    text = f"""{HEAD}
+<state id="a">
+  <transition event="go.*" target="b"/>
+  <transition event="go.up go.down" target="c"/>
+  <transition event="other" cond="1 &lt; 2" target="c"/>
+  <transition event="other" target="b"/>
+</state>
+<state id="b"><transition target="c"/></state>
+<state id="c"><transition target="b"/></state>
+<state id="d"/>
+</scxml>"""
+    graph = load_document(parse_document(text, "c.scxml"), "c")
+    found = [(fault.severity, f"{fault.where} {fault.code}") for fault in graph.warnings]
+    assert found == [
+        ("warning", "c.scxml:4:3 dead-alternative"),
+        ("warning", "c.scxml:8:15 endless-always"),
+        ("warning", "c.scxml:9:15 endless-always"),
+        ("warning", "c.scxml:10:1 no-way-out"),
+        ("warning", "c.scxml:10:1 unreachable"),
+    ]
 
 
 def test_all_faults_are_told_at_once() -> None:
@@ -98,6 +149,19 @@ def test_hostile_documents_are_refused(text: str, code: str) -> None:
     with pytest.raises(UserError) as caught:
         parse_document(text, "c.scxml")
     assert caught.value.code == code
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f"<state><onentry><script>{LINES}x += 1</script></onentry></state>",
+        f'<state><onentry><send event="e" delay="{"1" * 300_000}"/></onentry></state>',
+    ],
+    ids=["script", "delay"],
+)
+def test_long_texts_are_read_once(body: str) -> None:
+    """Patterns that begin anew at each letter would take hours."""
+    assert faults(body)
 
 
 def test_what_is_no_scxml_is_refused(tmp_path: Path) -> None:
@@ -134,6 +198,7 @@ def test_hostile_expressions(text: str) -> None:
         ("[1][7]", "undefined"),
         ("0 || null ? 'yes' : 'no'", "no"),
         ("Math.max(1, 7, 3) + Math.floor(-1.5)", "5"),
+        ("Math.max(3) + Math.min(4)", "7"),
         ("0x10 + 1e1 + .5", "26.5"),
         ("In('a') &amp;&amp; !In('b')", "true"),
         ("_name + _sessionid", "c1"),
@@ -146,6 +211,39 @@ def test_expressions(text: str, value: str) -> None:
     run = Run("", graph=graph)
     run.run()
     assert run.logged() == [value]
+
+
+def test_loops_in_loops_share_one_budget() -> None:
+    loops = '<foreach array="[1,2,3,4,5,6,7,8,9,10]" item="i">' * 6
+    body = (
+        f'<state id="a"><onentry>{loops}<script>n += 1</script>{"</foreach>" * 6}</onentry></state>'
+    )
+    run = document_run(f'<datamodel><data id="n" expr="0"/></datamodel>{body}')
+    assert [fields["message"] for what, fields in run.instance.records if what == "error"] == [
+        "foreach: more than 20000 steps of loops at once"
+    ]
+
+
+def test_a_loop_after_another_has_a_budget_of_its_own() -> None:
+    loops = ('<foreach array="[1,2,3,4,5,6,7,8,9,10]" item="i">' * 4) + "</foreach>" * 4
+    body = f'<state id="a"><onentry>{loops}{loops}<log expr="i"/></onentry></state>'
+    assert document_run(body).logged() == ["10"]
+
+
+def test_a_transition_of_the_whole_document() -> None:
+    run = document_run('<transition event="e" target="b"/><state id="a"/><state id="b"/>')
+    run.instance.trigger("e")
+    assert run.instance.paths() == ["b"]
+
+
+def test_many_regions_entered_many_times() -> None:
+    """Each pair of them looked at for each transition would take minutes."""
+    regions = "".join(f'<state id="r{index}"/>' for index in range(600))
+    ids = " ".join(f"r{index}" for index in range(600))
+    again = f'<transition event="e" target="{ids}"/>' * 150
+    run = document_run(f'<parallel id="p">{regions}{again}</parallel>')
+    run.instance.trigger("e")
+    assert run.instance.paths() == ids.split()
 
 
 def test_a_send_without_rest_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -377,3 +475,45 @@ def test_faults_of_a_mission_that_came_back_have_their_place_in_the_document() -
         assert fault.where is not None
         line = wrong.split("\n")[fault.where.line - 1]
         assert line[fault.where.column - 1 :].startswith(word)
+
+
+@pytest.mark.parametrize(
+    ("transition", "found"),
+    [
+        ('<transition event="e.x" priority="1" target="b"/>', "3:49: not-supported"),
+        (
+            '<transition event="e.x" target="b"><send event="e.x"><param name="k"/></send>'
+            "</transition>",
+            "3:68: not-supported",
+        ),
+        (
+            '<transition event="e.x" target="b"><log label="here" expr="1"/></transition>',
+            "3:62: not-supported",
+        ),
+    ],
+)
+def test_nothing_that_others_add_to_a_mission_is_lost(transition: str, found: str) -> None:
+    text = (
+        f'{HEAD[:-1]} xmlns:v="urn:vencejo:scxml:1" datamodel="vencejo">\n'
+        f"<v:events>{{e.x: {{}}}}</v:events>\n"
+        f'<state id="a">{transition}</state><final id="b"/></scxml>'
+    )
+    with pytest.raises(UserError) as caught:
+        import_mission(parse_document(text, "m.scxml"), "m.scxml")
+    assert [f"{fault.where}: {fault.code}" for fault in caught.value.faults] == [f"m.scxml:{found}"]
+
+
+def test_an_exported_mission_finds_what_it_includes(tmp_path: Path) -> None:
+    (tmp_path / "part.yaml").write_text("states: {z: {type: final}}\n")
+    text = "mission: m\nstates:\n  a: {include: part.yaml, on: {done: b, failed: b}}\n"
+    text += "  b: {type: final}\n"
+    document = write_scxml(read_mission_text(text, "m.yaml", tmp_path))
+    spec = import_mission(parse_document(document, "m.scxml"), "m.scxml", tmp_path)
+    paths = [node.path for node in compile_mission(spec, VOCABULARY).nodes]
+    assert paths[-2:] == ["a.z", "b"]
+
+
+def test_another_root_is_no_mission() -> None:
+    with pytest.raises(UserError) as caught:
+        import_mission(parse_document('<svg datamodel="vencejo"/>', "m.scxml"), "m.scxml")
+    assert caught.value.code == "not-scxml"

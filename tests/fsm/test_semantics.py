@@ -202,7 +202,7 @@ states:
 """
     )
     assert run.run(2) == ["b"]
-    assert run.logged() == ["the parameter 'height' has no value: float division by zero"]
+    assert run.logged() == ["the parameter 'height' has no value: a division by zero"]
     assert run.log == ["begin b", "step b"]
 
 

@@ -38,6 +38,14 @@ def test_a_mission_is_led_to_a_state_and_to_its_end() -> None:
     assert (run.logged, run.value("laps")) == (["lap 1", "lap 2"], 2)
 
 
+def test_what_comes_about_in_the_last_moment_is_not_missed() -> None:
+    assert trial().until("fly.lap", within=1.0).time == 1.0
+    run = trial().until("fly.lap").send("battery.low", level=0.1)
+    assert (run.end(within=0.2), run.time) == ("over", pytest.approx(1.225))
+    ended = Trial(graph_of("states: {a: {type: final}}"))
+    assert ended.end(within=0.0) == "done"
+
+
 def test_host_values_are_set_field_by_field() -> None:
     run = trial().until("fly.lap").set(vehicle={"altitude": 101.0}).until("home", within=0.1)
     assert run.active == ["home"]
@@ -64,8 +72,12 @@ def test_misspelt_names_are_told() -> None:
         Trial(graph, {"goo": ends()})
     with pytest.raises(ValueError, match="'go' has no outcome 'bloked': did you mean 'blocked'"):
         Trial(graph, {"go": ends("bloked")})
+    with pytest.raises(ValueError, match="no parameter 'speed'"):
+        Trial(graph, parameters={"speed": 1.0})
     with pytest.raises(ValueError, match="no state 'hom': did you mean 'home'"):
         trial().until("hom")
+    with pytest.raises(ValueError, match=r"no 'vehicle.altitud' here: did you mean 'altitude'"):
+        trial().set(vehicle={"altitud": 3.0})
     with pytest.raises(ValueError, match="no 'vehicel' here: did you mean 'vehicle'"):
         trial().set(vehicel={})
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from fsm import Graph
 from fsm.drawing import draw, render, write_dot, write_mermaid, write_svg, write_text
+from fsm.scxml import load_document, parse_document
 from tests.fsm.drawing.random_graphs import random_graph
 from tests.fsm.drawing.rules import broken_rules
 from tests.fsm.toy import graph_of
@@ -120,6 +121,16 @@ def test_final_history_parallel_and_initial_have_their_signs() -> None:
     assert _count(graph, "rect", "active", ("outer", "outer.inner")) == 2
 
 
+def test_lines_that_have_joined_are_drawn_once() -> None:
+    """Else a state that all others lead to makes a file of megabytes."""
+    states = ", ".join(f"s{n}: {{on: {{battery.low: s{n + 1}, link.lost: s0}}}}" for n in range(40))
+    graph = graph_of(f"mission: m\nstates: {{{states}, s40: {{type: final}}}}\n")
+    paths = ElementTree.fromstring(write_svg(graph)).iter(f"{SVG}path")
+    corners = [(path.get("d") or "").count("Q") for path in paths if path.get("class") == "line"]
+    together = {point for line in draw(graph).lines for point in line.points}
+    assert sum(corners) < 1.5 * len(together)
+
+
 def test_what_svg_would_misread_is_escaped() -> None:
     guard = "time_in_state < 1 s"
     graph = graph_of(
@@ -130,6 +141,44 @@ def test_what_svg_would_misread_is_escaped() -> None:
     svg = write_svg(graph)
     assert f"one → two\nafter 1 s [{guard}]\nafter 2 s" in _titles(svg)
     assert ElementTree.fromstring(svg).findtext(f"{SVG}desc") == "a <b> & c"
+
+
+def test_letters_that_no_xml_can_hold_are_marked() -> None:
+    graph = graph_of('mission: m\ndescription: "a\\x01b"\nstates: {one: {type: final}}\n')
+    assert ElementTree.fromstring(write_svg(graph)).findtext(f"{SVG}desc") == "a\ufffdb"
+
+
+DOCUMENT = """\
+<scxml xmlns="http://www.w3.org/2005/07/scxml" name="a: [b] &#10;&quot;c&quot; #">
+  <state id="one&quot;{"><transition event="go" cond="1 &lt; 2" target="back"/></state>
+  <parallel id="both">
+    <history id="back" type="deep"><transition target="left.b right.b"/></history>
+    <state id="left"><state id="left.a"/><state id="left.b"/></state>
+    <state id="right"><state id="right.a"/><state id="right.b"/></state>
+  </parallel>
+</scxml>
+"""
+
+
+def test_a_history_of_several_regions_leads_to_each() -> None:
+    picture = draw(load_document(parse_document(DOCUMENT, "d.scxml"), "d"))
+    boxes = {box.path: box for box in picture.boxes}
+    ends = {line.target: line.points[-1] for line in picture.lines if line.source == "back"}
+    assert {path: y for path, (_, y) in ends.items()} == {
+        path: boxes[path].y for path in ("left.b", "right.b")
+    }
+
+
+def test_odd_names_do_not_end_a_text_of_mermaid() -> None:
+    lines = write_mermaid(load_document(parse_document(DOCUMENT, "d.scxml"), "d")).splitlines()
+    assert lines[:5] == [
+        "---",
+        "title: \"a∶ [b] 'c' ＃\"",
+        "---",
+        "stateDiagram-v2",
+        '  state "one\'(" as s1',
+    ]
+    assert "  s1 --> s3: go [1 ＜ 2]" in lines
 
 
 def test_the_languages_of_other_tools_have_every_state_and_transition() -> None:

@@ -1,0 +1,57 @@
+"""Behaviours beside a mission as they can be known without running their file: by name only."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from behaviors.behavior import snake_case
+from behaviors.catalog import Own, path_of
+from fsm.vocabulary import Behavior as BehaviorInfo
+from fsm.vocabulary import Function
+from vencejo.errors import Fault, UserError
+from vencejo.nodes import MAX_BYTES, Scalar
+
+
+def trusted(files: Iterable[tuple[Scalar, Path]], faults: list[Fault]) -> Own:
+    """What Python files seem to hold, each named in a file of that folder; whatever a mission says
+    of it is believed.
+
+    Runs nothing. Files that may not be used go to ``faults``; what is no Python holds none.
+    """
+    found: Own = {}
+    for scalar, folder in files:
+        try:
+            path = path_of(scalar, folder)
+        except UserError as error:
+            faults.extend(error.faults)
+            continue
+        found.update((info.name, info) for info in _contents(path))
+    return found
+
+
+def _contents(path: Path) -> Iterator[BehaviorInfo | Function]:
+    """Every class could be a behaviour, every decorated function one to call."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            return
+        tree = ast.parse(path.read_bytes())
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef) and node.bases and not node.name.startswith("_"):
+            name = next(_given_names(node), snake_case(node.name))
+            yield BehaviorInfo(name, on_trust=True)
+        elif isinstance(node, ast.FunctionDef) and node.decorator_list:
+            yield Function(node.name, on_trust=True)
+
+
+def _given_names(node: ast.ClassDef) -> Iterator[str]:
+    for line in node.body:
+        match line:
+            case (
+                ast.Assign(targets=[ast.Name(id="name")], value=ast.Constant(value=str(name)))
+                | ast.AnnAssign(target=ast.Name(id="name"), value=ast.Constant(value=str(name)))
+            ):
+                yield name

@@ -1,0 +1,260 @@
+"""The safety proof: what it proves, what it finds, and when it says that it does not know."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from behaviors import drone_vocabulary
+from fsm import compile_mission, exploration, prove, read_mission
+from tests.fsm.toy import VOCABULARY, graph_of, shown
+
+HOST = replace(VOCABULARY, must_land=("link.lost",))
+MISSIONS = sorted((Path(__file__).parents[2] / "missions").glob("*.yaml"))
+LAND = "  land: {do: settle, on: {done: end}}\n  end: {type: final}\n"
+START = "states:\n  fly: {do: go, on: {done: land, blocked: land, link.lost: %s}}\n"
+WAIT = "  wait: {do: look, when: {vehicle.battery < 0.2: land}, %s}\n"
+
+
+def proof_of(text: str) -> list[str]:
+    """The faults, each as place, code and path."""
+    found = prove(graph_of(text, HOST))
+    assert all(fault.severity == "warning" and fault.hint for fault in found)
+    return [
+        f"{shown(fault)} {fault.message.partition('for ever: ')[2] or fault.message}"
+        for fault in found
+    ]
+
+
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
+def test_every_shipped_mission_is_proven(path: Path) -> None:
+    assert prove(compile_mission(read_mission(path), drone_vocabulary())) == []
+
+
+PROVEN = {
+    "left to the host": START.replace("link.lost: %s", "operator.abort: land"),
+    "handled by landing": START % "land",
+    "the host takes what a guard refuses": START % "{guard: 1 > 2, target: land}",
+    "an end in the air is landed by the host": START % "end",
+    "a wait with a limit": START % "wait" + WAIT % "after: {5 s: land}",
+    "a limit whose last alternative has no guard": START % "wait"
+    + WAIT % "after: {5 s: [{guard: 1 > 2, target: land}, end]}",
+    "through a choice": START % "choose"
+    + "  choose: {always: [{guard: 1 > 2, target: land}, end]}\n",
+    "a behaviour that fails is landed by the host": START % "home"
+    + "  home: {do: go, on: {done: land, blocked: land}}\n",
+    "the outcome of a final child": START % "home"
+    + "  home: {on: {done: land}, states: {a: {do: wait, on: {done: b}}, b: {type: final}}}\n",
+    "a loop of the other region": """
+states:
+  fly:
+    type: parallel
+    on: {link.lost: home}
+    states: {a: {do: wait}, b: {do: blink, after: {1 s: {target: b, reenter: true}}}}
+  home:
+    type: parallel
+    on: {operator.abort: land}
+    states:
+      motion: {states: {back: {do: go, on: {done: land, blocked: land}}}}
+      lights:
+        states:
+          on: {do: blink, after: {1 s: off}}
+          off: {after: {1 s: on}}
+""",
+    "history gives back what lands in time": """
+states:
+  fly:
+    on: {link.lost: pause}
+    states:
+      one: {do: go, on: {done: two, blocked: land}}
+      two: {do: go, on: {done: land, blocked: land}}
+      back: {type: history, target: one}
+  pause: {after: {5 s: fly.back}}
+""",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", PROVEN.values(), ids=PROVEN)
+def test_proven(text: str) -> None:
+    assert proof_of(text + LAND) == []
+
+
+VIOLATED = {
+    "a hover for ever": (
+        START % "wait" + WAIT % "description: x",
+        ["2:60 never-lands fly, then 'link.lost' → wait, where it stays"],
+    ),
+    "taken, and nothing happens": (
+        "states:\n  fly: {do: look, on: {link.lost: {}}, when: {vehicle.battery < 0.2: land}}\n",
+        ["2:35 never-lands fly, then 'link.lost' → fly, where it stays"],
+    ),
+    "a loop of two states": (
+        START % "there"
+        + "  there: {do: go, on: {done: back, blocked: land}}\n"
+        + "  back: {do: go, on: {done: there, blocked: land}}\n",
+        ["2:60 never-lands fly, then 'link.lost' → there → back → there, and so on"],
+    ),
+    "a loop to itself": (
+        START % "there" + "  there: {do: go, on: {done: land, blocked: there}}\n",
+        ["2:60 never-lands fly, then 'link.lost' → there → there, and so on"],
+    ),
+    "only guarded": (
+        START % "wait" + WAIT % "after: {5 s: {guard: 1 > 2, target: land}}",
+        ["2:60 never-lands fly, then 'link.lost' → wait, where it stays"],
+    ),
+    "a guarded transition that may be taken": (
+        START % "{guard: 1 > 2, target: wait}" + WAIT % "description: x",
+        ["2:60 never-lands fly, then 'link.lost' → wait, where it stays"],
+    ),
+    "an ended behaviour": (
+        START % "home" + "  home: {do: go, on: {done: {}, blocked: land}, when: {1 > 2: land}}\n",
+        ["2:60 never-lands fly, then 'link.lost' → home → home, where it stays"],
+    ),
+    "only after something else": (
+        "states:\n  up: {do: wait, on: {done: fly}}\n"
+        "  fly: {on: {link.lost: fly}, when: {1 > 2: land}}\n",
+        ["3:25 never-lands up → fly, then 'link.lost' → fly, where it stays"],
+    ),
+    "a region that takes the event and does nothing": (
+        """
+states:
+  fly:
+    type: parallel
+    on: {operator.abort: land}
+    states:
+      motion: {do: go, on: {blocked: {}}}
+      watch: {do: look, on: {link.lost: {actions: {log: x}}}}
+""",
+        ["8:41 never-lands fly.watch, then 'link.lost' → fly.watch, where it stays"],
+    ),
+    "a loop of one region while the other has ended": (
+        """
+states:
+  fly:
+    type: parallel
+    on: {link.lost: {}, failed: land, operator.abort: land}
+    states:
+      motion: {do: wait}
+      lights: {states: {on: {do: blink, after: {1 s: off}}, off: {after: {1 s: on}}}}
+""",
+        ["5:21 never-lands fly.motion + fly.lights.on, then 'link.lost' → fly.motion + "
+         "fly.lights.on → fly.motion + fly.lights.on → fly.motion + fly.lights.off → "
+         "fly.motion + fly.lights.on, and so on"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "faults"), VIOLATED.values(), ids=VIOLATED)
+def test_violated(text: str, faults: list[str]) -> None:
+    assert proof_of(text + LAND) == faults
+
+
+def test_each_event_is_reported_and_only_once_for_a_transition() -> None:
+    host = replace(VOCABULARY, must_land=("link.lost", "operator.abort"))
+    text = """
+states:
+  fly:
+    on: {link.*: wait, operator.abort: wait}
+    states: {a: {do: wait, on: {done: b}}, b: {do: wait, on: {done: land}}}
+  wait: {when: {1 > 2: land}}
+"""
+    found = prove(graph_of(text + LAND, host))
+    assert [(shown(fault), fault.message.split("'")[1]) for fault in found] == [
+        ("4:18 never-lands", "link.lost"),
+        ("4:40 never-lands", "operator.abort"),
+    ]
+
+
+def test_a_host_without_such_events_needs_no_proof() -> None:
+    assert prove(graph_of(VIOLATED["a hover for ever"][0] + LAND)) == []
+
+
+def regions(count: int, states: int) -> str:
+    """Parallel regions, each a chain that leaves the parallel state at its end."""
+    text = "states:\n  fly:\n    type: parallel\n    on: {link.lost: land}\n    states:\n"
+    for region in range(count):
+        text += f"      r{region}:\n        states:\n"
+        for state in range(states):
+            target = f"s{state + 1}" if state + 1 < states else "land"
+            text += f"          s{state}: {{when: {{vehicle.altitude > {state}: {target}}}}}\n"
+    return text + LAND
+
+
+def test_too_many_configurations_are_never_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert proof_of(regions(3, 4)) == []
+    monkeypatch.setattr(exploration, "MAX_CONFIGURATIONS", 60)
+    assert proof_of(regions(3, 4)) == [
+        "1:1 not-proven it is not proven that this mission always lands: there are more than 60 "
+        "combinations of active states"
+    ]
+
+
+def test_regions_that_touch_nothing_outside_cost_nothing() -> None:
+    # 12 regions of 4 states would be 16 million configurations.
+    text = regions(12, 4).replace(": land}}", ": s0}}")
+    assert proof_of(text) == []
+
+
+def test_a_deep_history_of_regions_is_not_proven() -> None:
+    text = """
+states:
+  fly:
+    on: {link.lost: pause}
+    states:
+      both: {type: parallel, states: {a: {do: go, on: {blocked: {}}}, b: {do: look}}}
+      back: {type: history, deep: true, target: both}
+  pause: {after: {5 s: fly.back}, on: {operator.abort: land}}
+"""
+    assert [line.split()[1] for line in proof_of(text + LAND)] == ["not-proven"]
+
+
+PART = """graphs:
+  part:
+    states:
+      one: {do: go, on: {done: two, blocked: two, link.lost: %s}}
+      two: {do: wait, on: {done: out}}
+      hang: {when: {vehicle.battery < 0.2: out}}
+      out: {type: final, outcome: over}
+states:
+  fly: {include: part, on: {over: %s, failed: land}}
+  wait: {when: {vehicle.battery < 0.2: land}}
+"""
+
+
+def test_the_proof_follows_outcomes_out_of_included_graphs() -> None:
+    assert proof_of(PART % ("two", "land") + LAND) == []
+    assert proof_of(PART % ("hang", "land") + LAND) == [
+        "4:62 never-lands fly.one, then 'link.lost' → fly.hang, where it stays"
+    ]
+    assert proof_of(PART % ("two", "wait") + LAND) == [
+        "4:62 never-lands fly.one, then 'link.lost' → fly.two → fly.out → wait, where it stays"
+    ]
+
+
+def test_an_outcome_handled_inside_leads_nowhere() -> None:
+    text = """graphs:
+  part:
+    states:
+      one: {do: wait, on: {done: two, link.lost: two}}
+      two: {do: go, on: {done: {}, blocked: {}}, when: {1 > 2: out}}
+      out: {type: final, outcome: over}
+states:
+  fly: {include: part, on: {over: land, failed: land}}
+"""
+    assert proof_of(text + LAND) == [
+        "4:50 never-lands fly.one, then 'link.lost' → fly.two → fly.two, where it stays"
+    ]
+
+
+def test_an_included_region_ends_its_parallel_state() -> None:
+    text = """graphs:
+  part: {states: {one: {do: wait, on: {done: out}}, out: {type: final}}}
+states:
+  up: {do: wait, on: {done: fly, link.lost: fly}}
+  fly: {type: parallel, on: {done: %s}, states: {a: {include: part}, b: {do: wait}}}
+  wait: {when: {1 > 2: land}}
+"""
+    assert proof_of(text % "land" + LAND) == []
+    assert [line.split(" ")[1] for line in proof_of(text % "wait" + LAND)] == ["never-lands"]
