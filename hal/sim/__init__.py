@@ -1,12 +1,15 @@
 """The simulator: deterministic, without a window, many times faster than the clock."""
 
 from hal.sim.bullet import Bullet
-from hal.sim.cameras import CameraSpec
+from hal.sim.cameras import DEFAULT_CAMERAS, CameraSpec
 from hal.sim.session import SimSession
-from hal.sim.vehicle import CAPABILITIES
+from hal.sim.vehicle import CAPABILITIES as _FLYING
 from hal.vehicle import Options, Session
 from vencejo.errors import UserError
 from worlds import find_world
+
+CAPABILITIES = _FLYING | {f"camera.{name}" for name in DEFAULT_CAMERAS}
+"""What a vehicle can do unless its settings say otherwise."""
 
 __all__ = ["CAPABILITIES", "CameraSpec", "SimSession", "open_session"]
 
