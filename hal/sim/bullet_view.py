@@ -30,8 +30,8 @@ from worlds.things import Color, Mesh, Part, Sphere, Texture, Thing
 
 Pixels = NDArray[np.uint8]
 
-NEAR, FAR = 0.05, 1000.0
-"""Depths between which things are seen, metres; wider apart, what lies close together flickers."""
+FAR = 1000.0
+"""Depth up to which things are seen, metres."""
 _GROUND_TEXELS = 2048
 """Along the picture that the whole coloured ground is painted on."""
 _BENEATH = -0.02
@@ -43,6 +43,8 @@ class BulletView:
 
     shift = 0.0
     """How far right and down of a pixel's centre this renderer looks, pixels."""
+    near = 0.05
+    """Depth from which on things are seen, metres; with less, what lies close together flickers."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError for a texture that is none."""
@@ -91,7 +93,7 @@ class BulletView:
             self._place(thing.name, pose_at(thing, moment))
         for name in self._vehicles:
             self._place(f" {name}", vehicles.get(name, _AWAY))
-        view, projection = matrices(pose, intrinsics, self.shift)
+        view, projection = matrices(pose, intrinsics, self.shift, self.near)
         _, _, colors, _, bodies = p.getCameraImage(
             intrinsics.width,
             intrinsics.height,
@@ -334,7 +336,9 @@ def _rgba(color: Color) -> list[float]:
     return [part / 255 for part in color] + [1.0]
 
 
-def matrices(pose: Pose, lens: Intrinsics, shift: float) -> tuple[list[float], list[float]]:
+def matrices(
+    pose: Pose, lens: Intrinsics, shift: float, near: float
+) -> tuple[list[float], list[float]]:
     """OpenGL's view and projection matrices, column by column."""
     turn = rotation(pose[1])
     # OpenGL's camera looks along −z with y up.
@@ -349,7 +353,7 @@ def matrices(pose: Pose, lens: Intrinsics, shift: float) -> tuple[list[float], l
         [
             [2 * lens.fx / w, 0, -across, 0],
             [0, 2 * lens.fy / h, down, 0],
-            [0, 0, -(FAR + NEAR) / (FAR - NEAR), -2 * FAR * NEAR / (FAR - NEAR)],
+            [0, 0, -(FAR + near) / (FAR - near), -2 * FAR * near / (FAR - near)],
             [0, 0, -1, 0],
         ]
     )

@@ -92,7 +92,7 @@ def corner_errors(seed: int, count: int, camera: Intrinsics) -> list[float]:
         length = (axis[0] ** 2 + axis[1] ** 2) ** 0.5 or 1.0
         lean = turned((axis[0] / length, axis[1] / length, 0.0), radians(draw.uniform(0, 45)))
         attitude = product(lean, yaw_quaternion(draw.uniform(-pi, pi)))
-        at = draw.uniform(-0.4, 0.4), draw.uniform(-0.25, 0.25), draw.uniform(0.4, 1.2)
+        at = draw.uniform(-0.3, 0.3), draw.uniform(-0.12, 0.12), draw.uniform(0.4, 1.2)
         image = picture(world_of(marker(7, at, size, attitude)), eye, camera)
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         corners, ids, _ = detector().detectMarkers(grey)
