@@ -85,7 +85,7 @@ def corner_errors(seed: int, count: int, camera: Intrinsics) -> list[float]:
     Each is found in the picture where lines along the black square's edges meet: the detector's
     own corners lie 0.15 pixels inside, also on pictures that are averaged from much finer ones.
     """
-    draw, size, errors = Random(seed), 0.5, []
+    draw, size, errors, detected = Random(seed), 0.5, [], 0
     eye = look((0.0, 0.0, 3.0), (0.001, 0.0, 0.0))
     for _ in range(count):
         axis = draw.uniform(-1, 1), draw.uniform(-1, 1)
@@ -96,20 +96,22 @@ def corner_errors(seed: int, count: int, camera: Intrinsics) -> list[float]:
         image = picture(world_of(marker(7, at, size, attitude)), eye, camera)
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         corners, ids, _ = detector().detectMarkers(grey)
-        assert ids is not None and ids.ravel().tolist() == [7]
         local = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * size / 2
         want = projected(local @ rotation(attitude).T + at, eye, camera)
-        assert np.abs(corners[0].reshape(4, 2) - want).max() < 1.0
+        if ids is not None and ids.ravel().tolist() == [7]:
+            detected += 1
+            assert np.abs(corners[0].reshape(4, 2) - want).max() < 1.0
         exact = grey.astype(np.float32)
         edges = [edge(exact, want[k], want[(k + 1) % 4]) for k in range(4)]
         drawn = [crossing(edges[k - 1], edges[k]) for k in range(4)]
         errors.extend(np.linalg.norm(np.array(drawn) - want, axis=1).tolist())
+    assert detected >= 0.99 * count
     return errors
 
 
 def test_marker_corners_lie_where_they_are_projected() -> None:
     errors = corner_errors(1, 25, lens(640, 480))
-    assert np.median(errors) < 0.1
+    assert np.median(errors) < 0.02
     assert max(errors) < 0.3
 
 
