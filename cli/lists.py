@@ -11,8 +11,10 @@ from typing import Any
 import click
 
 from cli import missions as known
-from cli.options import MissionName, Word
+from cli.look import VIEWS
+from cli.options import MissionName, Place, Word
 from fsm import Behavior, Parameter
+from hal.rendering import RENDERERS, show_window
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 
@@ -190,11 +192,44 @@ def _explain(behavior: Behavior) -> None:
 
 @click.command()
 @click.argument("name", required=False)
+@click.option(
+    "--render",
+    "picture_file",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write a picture of it, PNG or JPEG.",
+)
+@click.option(
+    "--camera",
+    type=Word(list(VIEWS)),
+    default="front",
+    show_default=True,
+    help="How that picture looks at it.",
+)
+@click.option("--at", type=Place(), help="From where: metres, and degrees from east.")
+@click.option(
+    "--renderer",
+    type=Word(list(RENDERERS)),
+    default="raster",
+    show_default=True,
+    help="What draws the picture.",
+)
+@click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def worlds(name: str | None, as_json: bool) -> None:
+def worlds(
+    name: str | None,
+    picture_file: Path | None,
+    camera: str,
+    at: tuple[float, float, float, float] | None,
+    renderer: str,
+    gui: bool,
+    as_json: bool,
+) -> None:
     """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
     from worlds import find_world, world_families, world_names
 
+    if name is None and (picture_file or gui):
+        raise UserError("no-world", "which world?", hint="drone-cli worlds road_town --render …")
     if name is None:
         rows = [(key, find_world(key).description) for key in world_names()]
         if as_json:
@@ -205,6 +240,15 @@ def worlds(name: str | None, as_json: bool) -> None:
             _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
         return
     world = find_world(name)
+    if picture_file:
+        from cli.look import render
+
+        render(world, picture_file, camera, at, renderer)
+        click.echo(picture_file)
+        return
+    if gui:
+        show_window(world)
+        return
     start = world.starts[0]
     contents: dict[str, list[str]] = {}
     for thing in world.things:

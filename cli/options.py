@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from math import isfinite, pi
 from typing import Any
 
 import click
@@ -82,3 +84,51 @@ def assignments(
             raise click.BadParameter(f"'{value}' is not name=value", ctx=ctx, param=param)
         found[name.strip()] = text
     return found
+
+
+_CAMERA = re.compile(r"([a-z_]\w*)(?::(\d+)x(\d+))?(?:@(\d+(?:\.\d+)?))?")
+
+
+def cameras(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> dict[str, dict[str, int | float] | None]:
+    """``name:640x480@30`` of a repeated option: resolution and rate by camera, or ``name:off``."""
+    found: dict[str, dict[str, int | float] | None] = {}
+    for value in values:
+        if value.endswith(":off"):
+            found[value.removesuffix(":off")] = None
+            continue
+        match = _CAMERA.fullmatch(value)
+        if match is None:
+            raise click.BadParameter(
+                f"'{value}' is not NAME:WIDTHxHEIGHT@RATE; for instance front:640x480@30",
+                ctx=ctx,
+                param=param,
+            )
+        name, width, height, rate = match.groups()
+        settings: dict[str, int | float] = {}
+        if width:
+            settings |= {"width": int(width), "height": int(height)}
+        if rate:
+            settings["rate"] = float(rate)
+        found[name] = settings
+    return found
+
+
+class Place(click.ParamType):  # type: ignore[type-arg]
+    """``x,y,z`` or ``x,y,z,yaw``: metres of the world frame, and degrees from east."""
+
+    name = "x,y,z[,yaw]"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float, float, float]:
+        parts = str(value).split(",")
+        try:
+            numbers = [float(part.strip().removesuffix("deg")) for part in parts]
+        except ValueError:
+            numbers = []
+        if len(numbers) not in (3, 4) or not all(map(isfinite, numbers)):
+            self.fail(f"'{value}' is not x,y,z or x,y,z,yaw; for instance --at 0,-10,3,90")
+        x, y, z, yaw = [*numbers, 0.0][:4]
+        return x, y, z, yaw * pi / 180

@@ -13,7 +13,7 @@ import click
 
 from cli import missions
 from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
-from cli.options import MissionName, Speed, Word, assignments
+from cli.options import MissionName, Speed, Word, assignments, cameras
 from cli.pace import Pace
 from cli.prepare import prepare
 from cli.recorder import Recorder, new_folder
@@ -21,6 +21,7 @@ from cli.recorder import as_json as as_json_value
 from cli.signals import Interrupts
 from fsm import parse_parameters
 from hal import backend_names
+from hal.rendering import RENDERERS
 from vencejo.errors import UserError
 
 
@@ -57,6 +58,21 @@ from vencejo.errors import UserError
     help="Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.",
 )
 @click.option(
+    "--camera",
+    "wanted_cameras",
+    multiple=True,
+    callback=cameras,
+    metavar="NAME[:WxH][@RATE]",
+    help="Set a camera of the simulator, for instance front:640x480@30, or front:off. Repeatable.",
+)
+@click.option(
+    "--renderer",
+    type=Word(list(RENDERERS)),
+    default="raster",
+    show_default=True,
+    help="What draws the simulator's pictures.",
+)
+@click.option(
     "--runs-dir",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("runs"),
@@ -74,6 +90,8 @@ def run(
     seed: int,
     speed: float | None,
     noise: float,
+    wanted_cameras: dict[str, dict[str, int | float] | None],
+    renderer: str,
     runs_dir: Path,
     as_json: bool,
 ) -> None:
@@ -87,7 +105,9 @@ def run(
     values = parse_parameters(prepared.graph, parameters)
     for fault in prepared.graph.warnings:
         click.echo(str(fault), err=True)
-    settings = {"noise": noise} if backend == "sim" else {}
+    settings: dict[str, object] = {}
+    if backend == "sim":
+        settings = {"noise": noise, "cameras": wanted_cameras, "renderer": renderer}
     plan = Plan(prepared, values, backend, seed, settings)
     summary = _fly(plan, speed, runs_dir, as_json)
     sys.exit(summary["exit_code"])

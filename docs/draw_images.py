@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import cv2
 from rich.console import Console
 
 from behaviors import Pilot
 from cli import missions
 from cli.flight import Plan, fly
+from cli.look import render
 from cli.picture import draw
 from cli.prepare import prepare
 from cli.recorder import Recorder
@@ -19,6 +21,7 @@ from cli.view import LiveView
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.machine import Record
+from worlds import find_world, world_names
 
 IMAGES = Path(__file__).parent / "images"
 MOMENT = 11.0
@@ -48,10 +51,21 @@ def draw_graphs() -> None:
         (IMAGES / f"graph_{path.stem}.svg").write_text(write_svg(graph), encoding="utf-8")
 
 
+def draw_worlds() -> None:
+    """The shipped worlds, each in a file of at most 60 kB."""
+    (IMAGES / "worlds").mkdir(exist_ok=True)
+    for name in world_names():
+        path = IMAGES / "worlds" / f"{name}.jpg"
+        render(find_world(name), path)
+        small = cv2.resize(cv2.imread(str(path)), (480, 360), interpolation=cv2.INTER_AREA)
+        cv2.imwrite(str(path), small, [cv2.IMWRITE_JPEG_QUALITY, 88])
+
+
 def main() -> None:
-    """Draw the graph of every shipped mission; fly first_flight once and draw that."""
+    """Draw the graph of every shipped mission and every world; fly first_flight and draw that."""
     IMAGES.mkdir(exist_ok=True)
     draw_graphs()
+    draw_worlds()
     prepared = prepare(missions.find("first_flight"))
     plan = Plan(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=90, file=io.StringIO(), force_terminal=True)

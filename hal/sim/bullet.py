@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -35,7 +36,7 @@ def load_pybullet() -> Any:
     """The pybullet module, imported without the banner it prints. Raises VehicleError."""
     module = sys.modules.get("pybullet")
     if module is None:
-        with _stderr_shut():
+        with shut(2):
             try:
                 module = import_module("pybullet")
             except ImportError as error:
@@ -49,20 +50,27 @@ def load_pybullet() -> Any:
 
 
 @contextmanager
-def _stderr_shut() -> Iterator[None]:
-    """Send what C code complains to nowhere; replacing Python's own stream does not reach it."""
+def shut(*streams: int) -> Iterator[None]:
+    """Send what C code writes to nowhere; replacing Python's own streams does not reach it.
+
+    1 is the output, 2 that of complaints.
+    """
     try:
-        kept = os.dup(2)
+        kept = [(stream, os.dup(stream)) for stream in streams]
     except OSError:  # closed already
         yield
         return
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 2)
+        for stream, _ in kept:
+            os.dup2(nowhere, stream)
         yield
     finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+        # What C has buffered would come out later.
+        ctypes.CDLL(None).fflush(None)
+        for stream, copy in kept:
+            os.dup2(copy, stream)
+            os.close(copy)
         os.close(nowhere)
 
 

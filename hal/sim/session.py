@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite
 from types import MappingProxyType
 
 from hal.sim.airframe import Airframe
+from hal.sim.cameras import SimCamera, Studio
+from hal.sim.looks import quadrotor
 from hal.sim.noise import CommandNoise
 from hal.sim.physics import Physics
+from hal.sim.settings import read_settings
 from hal.sim.skyline import Skyline
 from hal.sim.vehicle import STEPS, SimVehicle
 from hal.vehicle import Options
-from vencejo.errors import UserError, VehicleError, nearest
+from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
 from worlds.model import Start, World
@@ -28,7 +30,7 @@ class SimSession:
 
     def __init__(self, options: Options, world: World, physics: Physics) -> None:
         """Raises UserError for settings, names or places that cannot be."""
-        noise = read_noise(options.settings)
+        settings = read_settings(options.settings)
         starts = start_poses(world, options.vehicles)
         airframe = Airframe()
         physics.add_things(world.things, world.ground.terrain)
@@ -47,12 +49,20 @@ class SimSession:
                 airframe=airframe,
                 start=start,
                 charge=world.battery,
-                noise=CommandNoise(noise, generator(options.seed, name, "command-noise")),
+                noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
                 skyline=skyline if alone else None,
             )
             for name, start in zip(options.vehicles, starts, strict=True)
         ]
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
+        self._studio = Studio(world, settings.renderer, settings.shadows, options.seed)
+        for vehicle in self._all:
+            self._studio.tracks[vehicle.name] = vehicle.track
+            self._studio.looks[vehicle.name] = quadrotor(vehicle.name, airframe)
+            vehicle.cameras = {
+                name: SimCamera(vehicle.name, name, spec, self._studio, self._steps)
+                for name, spec in settings.cameras.items()
+            }
 
     @property
     def vehicles(self) -> Mapping[str, SimVehicle]:
@@ -88,32 +98,18 @@ class SimSession:
         for vehicle in vehicles:
             vehicle.update(time)
 
+    def _steps(self) -> int:
+        """Physics steps made so far."""
+        return self._count * STEPS
+
     def __enter__(self) -> SimSession:
         return self
 
     def __exit__(self, *exc: object) -> None:
+        self._studio.close()
         if self._physics is not None:
             self._physics.close()
             self._physics = None
-
-
-def read_noise(settings: Mapping[str, object]) -> float:
-    """The scale of the command noise, 0 for none. Raises UserError for settings that are none."""
-    for name in settings:
-        if name != "noise":
-            raise UserError(
-                "unknown-setting",
-                f"the simulator has no setting '{name}'",
-                hint=nearest(name, ["noise"]),
-            )
-    noise = settings.get("noise", 0.0)
-    if not isinstance(noise, (int, float)) or not isfinite(noise) or noise < 0:
-        raise UserError(
-            "bad-setting",
-            f"'noise' must be true, false or a factor of 0 or more, not {noise!r}",
-            hint="1 is the command noise of Gazebo's AR.Drone, 0 is none",
-        )
-    return float(noise)
 
 
 def start_poses(world: World, names: tuple[str, ...]) -> list[Start]:

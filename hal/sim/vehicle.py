@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isfinite
 
 from hal.orders import Orders
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.bumps import Bumps
+from hal.sim.cameras import Track
 from hal.sim.control import Controller
 from hal.sim.limits import set_limits
 from hal.sim.noise import CommandNoise
@@ -81,6 +83,11 @@ class SimVehicle:
             name,
         )
         self._state: State = self._body.state()
+        self.track = Track()
+        """Where the body was: pictures show the past."""
+        self._keep = self.track.states.append
+        self._keep(self._state)
+        self.cameras: Mapping[str, Camera] = {}
         self._controller = Controller(airframe)
         self._battery = Battery(airframe, charge)
         self._noise = noise
@@ -120,7 +127,7 @@ class SimVehicle:
 
     @property
     def capabilities(self) -> frozenset[str]:
-        return CAPABILITIES
+        return CAPABILITIES | {f"camera.{name}" for name in self.cameras}
 
     def observe(self) -> Observation:
         if self._observation is None:
@@ -293,7 +300,10 @@ class SimVehicle:
         set_limits(self._controller, limits)
 
     def camera(self, name: str) -> Camera:
-        raise Unavailable(f"the simulated vehicle has no camera '{name}'")
+        if name not in self.cameras:
+            known = ", ".join(self.cameras) or "none"
+            raise Unavailable(f"the simulated vehicle has no camera '{name}' (it has: {known})")
+        return self.cameras[name]
 
     def sensor(self, name: str) -> Sensor:
         raise Unavailable(f"the simulated vehicle has no sensor '{name}'")
@@ -320,6 +330,7 @@ class SimVehicle:
     def sense(self) -> None:
         """See where the step has led."""
         self._state = self._body.state()
+        self._keep(self._state)
         if self._beside:
             self._feel()
 

@@ -87,8 +87,8 @@ def test_satisfies_the_protocol(session: Session) -> None:
 
 def test_what_is_not_there_is_said_to_be_unavailable(session: Session) -> None:
     vehicle = only(session)
-    with pytest.raises(Unavailable, match="camera 'front'"):
-        vehicle.camera("front")
+    with pytest.raises(Unavailable, match="camera 'rear'"):
+        vehicle.camera("rear")
     with pytest.raises(Unavailable, match="sensor 'sonar'"):
         vehicle.sensor("sonar")
     with pytest.raises(Unavailable, match="vision"):

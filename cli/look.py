@@ -1,0 +1,84 @@
+"""Pictures of a world, without a flight: `drone-cli worlds NAME --render FILE`."""
+
+from __future__ import annotations
+
+from math import pi, radians, tan
+from pathlib import Path
+
+from hal.rendering import Pose, open_renderer
+from hal.vehicle import Intrinsics
+from vencejo.errors import UserError, Where
+from vencejo.geometry import Point, Quaternion, about_y, product, turned, yaw_quaternion
+from worlds import World
+
+VIEWS = ("front", "down", "top")
+"""Level and ahead from a place, straight down from it, or all of the world from above."""
+WIDTH, HEIGHT = 640, 480
+_FIELD = pi / 3
+_FOCAL = WIDTH / 2 / tan(_FIELD / 2)
+LENS = Intrinsics(WIDTH, HEIGHT, _FOCAL, _FOCAL, (WIDTH - 1) / 2, (HEIGHT - 1) / 2)
+_OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
+"""Optical axes of a camera that looks along x with z up."""
+_SMALLEST = 6.0
+"""What is looked at from outside is at least this large, metres from its middle."""
+
+
+def render(
+    world: World,
+    file: Path,
+    camera: str = "front",
+    at: tuple[float, float, float, float] | None = None,
+    renderer: str = "raster",
+) -> None:
+    """Write a picture of a world; the file's name says of which format.
+
+    ``at`` is x, y, z and yaw of the world frame; without it, ``front`` shows the world from
+    outside and above, and ``down`` looks at the start from 10 m. Raises UserError.
+    """
+    import cv2
+
+    opened = open_renderer(renderer, world, {})
+    try:
+        image = opened.render(view(world, camera, at), LENS, 0.0, {})
+    finally:
+        opened.close()
+    try:
+        done = cv2.imwrite(str(file), image)
+    except cv2.error:
+        done = False
+    if not done:
+        raise UserError(
+            "cannot-write",
+            "this picture cannot be written",
+            Where(str(file)),
+            "its name ends in .png or .jpg and its folder exists",
+        )
+
+
+def view(world: World, camera: str, at: tuple[float, float, float, float] | None) -> Pose:
+    """The pose of the camera."""
+    if camera == "top" or (camera == "front" and at is None):
+        middle, reach = _extent(world)
+        if camera == "top":
+            height = reach / tan(_FIELD / 2) * WIDTH / HEIGHT
+            return Point(middle.x, middle.y, height), _aimed(pi / 2, pi / 2)
+        # From the south-west and above, with all of it in the picture.
+        heading, tilt = radians(45), radians(27)
+        back = turned((-2.5 * reach, 0.0, 0.0), product(yaw_quaternion(heading), about_y(tilt)))
+        return middle.plus(back), _aimed(heading, tilt)
+    start = world.starts[0]
+    x, y, z, yaw = at or (start.at.x, start.at.y, start.at.z + 10.0, start.heading)
+    return Point(x, y, z), _aimed(yaw, pi / 2 if camera == "down" else 0.0)
+
+
+def _aimed(heading: float, tilt: float) -> Quaternion:
+    return product(product(yaw_quaternion(heading), about_y(tilt)), _OPTICAL)
+
+
+def _extent(world: World) -> tuple[Point, float]:
+    """The middle of what stands in a world, on the ground, and how far it reaches from there."""
+    places = [thing.at for thing in world.things] + [start.at for start in world.starts]
+    east, north = [place.x for place in places], [place.y for place in places]
+    middle = Point((min(east) + max(east)) / 2, (min(north) + max(north)) / 2, 0.0)
+    reach = max((max(east) - min(east)) / 2, (max(north) - min(north)) / 2)
+    return middle, max(reach, _SMALLEST)

@@ -1,0 +1,360 @@
+"""pybullet's renderers, as a reference: the software one (``tiny``) and OpenGL's (``egl``)."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from importlib.util import find_spec
+from math import ceil, log2
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from hal.raster.solids import Solid, relief_of, rotation, solid_of
+from hal.raster.textures import picture_of
+from hal.raster.tiles import FINEST, SIDE, Tiles
+from hal.rendering import Pose
+from hal.sim.bullet import load_pybullet, shut
+from hal.vehicle import Intrinsics
+from vencejo.errors import UserError
+from vencejo.geometry import Quaternion
+from worlds.model import World
+from worlds.motion import pose_at
+from worlds.things import Color, Mesh, Part, Sphere, Texture, Thing
+
+Pixels = NDArray[np.uint8]
+
+FAR = 1000.0
+"""Depth up to which things are seen, metres."""
+_GROUND_TEXELS = 2048
+"""Along the picture that the whole coloured ground is painted on."""
+_BENEATH = -0.02
+"""Height of the plain ground outside the coloured square, metres."""
+
+
+class BulletView:
+    """A world in a pybullet of its own, to be looked at (see :class:`hal.rendering.Renderer`)."""
+
+    shift = 0.0
+    """How far right and down of a pixel's centre this renderer looks, pixels."""
+    near = 0.05
+    """Depth from which on things are seen, metres; with less, what lies close together flickers."""
+
+    def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
+        """Raises UserError for a texture that is none."""
+        p = load_pybullet()
+        self._p = p
+        self._world = world
+        self._shadows = shadows
+        self._client: int = self._connect()
+        self._files = TemporaryDirectory(prefix="vencejo-")
+        self._count = 0
+        self._textures: dict[Texture, int] = {}
+        self.names: dict[int, str] = {}
+        """Things by the bodies that show them."""
+        self._bodies: dict[str, list[tuple[int, Part]]] = {}
+        self._moving = [thing for thing in world.things if thing.motion]
+        try:
+            self._add_ground()
+            if world.ground.terrain:
+                self._mesh(relief_of(world.ground.terrain, world.ground.color), world.ground.color)
+            # A space keeps the names of vehicles apart from those of things.
+            looks = {f" {name}": thing for name, thing in vehicles.items()}
+            for name, thing in ({each.name: each for each in world.things} | looks).items():
+                self._bodies[name] = [(self._show(part), part) for part in thing.parts]
+                self.names |= {body: name for body, _ in self._bodies[name]}
+                self._place(name, (thing.at, thing.attitude))
+        except BaseException:
+            self.close()
+            raise
+        self._vehicles = tuple(vehicles)
+
+    def _connect(self) -> int:
+        return int(self._p.connect(self._p.DIRECT))
+
+    def render(
+        self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
+    ) -> Pixels:
+        """See :class:`hal.rendering.Renderer`."""
+        return self.look(pose, intrinsics, time, vehicles)[0]
+
+    def look(
+        self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
+    ) -> tuple[Pixels, NDArray[np.int32]]:
+        """A picture, and which body each pixel shows (−1: the sky)."""
+        p, light = self._p, self._world.light
+        for thing in self._moving:
+            self._place(thing.name, pose_at(thing, moment))
+        for name in self._vehicles:
+            self._place(f" {name}", vehicles.get(name, _AWAY))
+        view, projection = matrices(pose, intrinsics, self.shift, self.near)
+        _, _, colors, _, bodies = p.getCameraImage(
+            intrinsics.width,
+            intrinsics.height,
+            view,
+            projection,
+            lightDirection=list(light.sun),
+            lightDistance=100,
+            lightAmbientCoeff=light.ambient,
+            lightDiffuseCoeff=1 - light.ambient,
+            lightSpecularCoeff=0,
+            shadow=int(self._shadows),
+            renderer=self._renderer(),
+            physicsClientId=self._client,
+        )
+        shape = intrinsics.height, intrinsics.width
+        image = np.asarray(colors, np.uint8).reshape(*shape, 4)
+        image = np.asarray(cv2.cvtColor(image, cv2.COLOR_RGBA2BGR), np.uint8)
+        seen = np.asarray(bodies, np.int32).reshape(shape)
+        image[seen < 0] = light.sky[::-1]
+        return image, seen
+
+    def _renderer(self) -> int:
+        return int(self._p.ER_TINY_RENDERER)
+
+    def close(self) -> None:
+        if self._client >= 0:
+            self._p.disconnect(self._client)
+            self._files.cleanup()
+            self._client = -1
+
+    # Putting things up.
+
+    def _place(self, name: str, pose: Pose) -> None:
+        p = self._p
+        for body, part in self._bodies[name]:
+            at, attitude = p.multiplyTransforms(*pose, part.at, part.attitude)
+            p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
+
+    def _body(self, visual: int) -> int:
+        return int(self._p.createMultiBody(0, -1, visual, [0, 0, 0], physicsClientId=self._client))
+
+    def _show(self, part: Part) -> int:
+        # All as meshes: pybullet's own balls are coarse, and OpenGL's boxes lose their corners.
+        p, shape = self._p, part.shape
+        if isinstance(shape, Sphere):
+            shape = _ball(shape.radius)
+        upright = Part(
+            shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture
+        )
+        body = self._mesh(solid_of(upright), part.color)
+        if part.texture is not None:
+            p.changeVisualShape(
+                body,
+                -1,
+                rgbaColor=[1, 1, 1, 1],
+                textureUniqueId=self._texture(part.texture),
+                physicsClientId=self._client,
+            )
+        return body
+
+    def _mesh(self, solid: Solid, color: Color) -> int:
+        p = self._p
+        vertices: list[list[float]] = []
+        uvs: list[list[float]] = []
+        indices: list[int] = []
+        for face in solid.faces:
+            base = len(vertices)
+            corners = solid.vertices[list(face.corners)].tolist()
+            vertices.extend(corners)
+            # Textured faces have four corners, the lower left first.
+            uvs.extend(_CORNERS if len(corners) == 4 else [[0, 0]] * 3)
+            for k in range(1, len(corners) - 1):
+                indices.extend((base, base + k, base + k + 1))
+        return self._body(
+            p.createVisualShape(
+                p.GEOM_MESH,
+                fileName=self._mesh_file(vertices, uvs, indices),
+                rgbaColor=_rgba(color),
+                specularColor=[0, 0, 0],
+                physicsClientId=self._client,
+            )
+        )
+
+    def _mesh_file(
+        self, vertices: list[list[float]], uvs: list[list[float]], indices: list[int]
+    ) -> str:
+        """Triangles as a file: given directly, the OpenGL renderer does not take them."""
+        # OBJ counts from 1, and v upwards.
+        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+        lines += [f"vt {u:.9g} {1 - v:.9g}" for u, v in uvs]
+        corners = [f"{index + 1}/{index + 1}" for index in indices]
+        lines += [f"f {' '.join(corners[k : k + 3])}" for k in range(0, len(corners), 3)]
+        path = self._file("obj")
+        path.write_text("\n".join(lines) + "\n", "ascii")
+        return str(path)
+
+    def _file(self, kind: str) -> Path:
+        self._count += 1
+        return Path(self._files.name) / f"{self._count}.{kind}"
+
+    def _texture(self, texture: Texture) -> int:
+        if texture not in self._textures:
+            self._textures[texture] = self._load(picture_of(texture).level(0.0))
+        return self._textures[texture]
+
+    def _load(self, pixels: Pixels) -> int:
+        path = self._file("png")
+        cv2.imwrite(str(path), pixels[..., :3])
+        return int(self._p.loadTexture(str(path), physicsClientId=self._client))
+
+    def _add_ground(self) -> None:
+        p, ground = self._p, self._world.ground
+        tiles = Tiles(ground)
+        level = max(0, ceil(log2(ground.size / _GROUND_TEXELS / FINEST)))
+        reach = ceil(ground.size / 2 / (FINEST * 2**level * SIDE))
+        rows = [
+            np.hstack([tiles.tile(level, column, row) for column in range(-reach, reach)])
+            for row in range(-reach, reach)
+        ]
+        half = reach * SIDE * FINEST * 2**level
+        for side, height, pixels in (
+            (half, 0.0, np.vstack(rows)[::-1]),
+            (FAR, _BENEATH, np.full((64, 64, 4), tiles.beyond, np.uint8)),
+        ):
+            corners = [[x, y, height] for x, y in (_AROUND * side).tolist()]
+            file = self._mesh_file(corners, _CORNERS, [0, 1, 2, 0, 2, 3])
+            visual = p.createVisualShape(p.GEOM_MESH, fileName=file, physicsClientId=self._client)
+            p.changeVisualShape(
+                self._body(visual),
+                -1,
+                rgbaColor=[1, 1, 1, 1],
+                textureUniqueId=self._load(np.ascontiguousarray(pixels)),
+                physicsClientId=self._client,
+            )
+
+
+class TinyView(BulletView):
+    """TinyRenderer: in software, slow, without smoothing."""
+
+    shift = 0.5
+
+
+class EglView(BulletView):
+    """OpenGL without a window, by pybullet's plugin."""
+
+    def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
+        """Raises UserError (``no-egl``) where the plugin is missing or finds no OpenGL."""
+        # It tells a lot about the machine's OpenGL.
+        with shut(1, 2):
+            super().__init__(world, vehicles, shadows)
+
+    def _connect(self) -> int:
+        p, client = self._p, super()._connect()
+        found, plugin = find_spec("eglRenderer"), -1
+        if found and found.origin:
+            with suppress(p.error):
+                plugin = p.loadPlugin(found.origin, "_eglRendererPlugin", physicsClientId=client)
+        if plugin < 0:
+            p.disconnect(client)
+            raise UserError(
+                "no-egl",
+                "pybullet's EGL renderer does not run on this machine",
+                hint="take --renderer raster, which needs no OpenGL, or tiny",
+            )
+        self._plugin = plugin
+        return client
+
+    def _renderer(self) -> int:
+        return int(self._p.ER_BULLET_HARDWARE_OPENGL)
+
+    def look(
+        self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
+    ) -> tuple[Pixels, NDArray[np.int32]]:
+        with shut(1):
+            return super().look(pose, intrinsics, moment, vehicles)
+
+    def close(self) -> None:
+        if self._client >= 0:
+            with shut(1, 2):
+                self._p.unloadPlugin(self._plugin, physicsClientId=self._client)
+                super().close()
+
+
+class _Window(BulletView):
+    """pybullet's own window."""
+
+    def _connect(self) -> int:
+        p = self._p
+        client = p.connect(p.GUI) if "DISPLAY" in os.environ else -1
+        if client < 0:
+            raise UserError(
+                "no-display",
+                "there is no display to open a window on",
+                hint="write a picture instead: drone-cli worlds NAME --render world.png",
+            )
+        p.configureDebugVisualizer(p.COV_ENABLE_GUI, 0, physicsClientId=client)
+        return int(client)
+
+    def show(self) -> None:
+        """Let the moving things move, until the window is closed."""
+        p, began = self._p, time.monotonic()
+        with suppress(p.error):
+            while p.isConnected(self._client):
+                for thing in self._moving:
+                    self._place(thing.name, pose_at(thing, time.monotonic() - began))
+                time.sleep(1 / 60)
+        self._client = -1
+        self._files.cleanup()
+
+
+def show(world: World) -> None:
+    """Show a world in a window, until that is closed. Raises UserError without a display."""
+    _Window(world, {}).show()
+
+
+_AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_CORNERS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
+"""Of a texture, as _AROUND goes; v counts down."""
+_AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def _ball(radius: float) -> Mesh:
+    """A sphere by degrees of latitude and longitude."""
+    rings, around = 24, 48
+    south, east = np.meshgrid(
+        np.linspace(0, np.pi, rings + 1),
+        np.linspace(0, 2 * np.pi, around, endpoint=False),
+        indexing="ij",
+    )
+    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
+    ring, slice_ = np.divmod(np.arange(rings * around), around)
+    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
+    faces = np.concatenate(
+        [np.stack([a, a + around, b + around], 1), np.stack([a, b + around, b], 1)]
+    )
+    return Mesh(radius * at.reshape(-1, 3), faces.astype(np.int32))
+
+
+def _rgba(color: Color) -> list[float]:
+    return [part / 255 for part in color] + [1.0]
+
+
+def matrices(
+    pose: Pose, lens: Intrinsics, shift: float, near: float
+) -> tuple[list[float], list[float]]:
+    """OpenGL's view and projection matrices, column by column."""
+    turn = rotation(pose[1])
+    # OpenGL's camera looks along −z with y up.
+    axes = turn * [1.0, -1.0, -1.0]
+    view = np.eye(4)
+    view[:3, :3] = axes.T
+    view[:3, 3] = -axes.T @ np.array(pose[0])
+    w, h = lens.width, lens.height
+    across = (2 * (lens.cx - shift) + 1) / w - 1
+    down = (2 * (lens.cy + shift) + 1) / h - 1
+    projection = np.array(
+        [
+            [2 * lens.fx / w, 0, -across, 0],
+            [0, 2 * lens.fy / h, down, 0],
+            [0, 0, -(FAR + near) / (FAR - near), -2 * FAR * near / (FAR - near)],
+            [0, 0, -1, 0],
+        ]
+    )
+    return view.T.ravel().tolist(), projection.T.ravel().tolist()

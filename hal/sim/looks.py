@@ -1,0 +1,45 @@
+"""What the simulated quadrotor looks like to cameras."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from math import sqrt
+
+from hal.sim.airframe import Airframe
+from vencejo.geometry import Point
+from worlds.things import UPRIGHT, Color, Cuboid, Cylinder, Part, Thing
+
+COLORS: tuple[Color, ...] = (
+    (220, 30, 30),
+    (30, 60, 220),
+    (240, 220, 40),
+    (30, 170, 50),
+    (210, 40, 200),
+    (245, 130, 20),
+)
+_DARK: Color = (40, 40, 45)
+
+
+def color_of(name: str) -> Color:
+    """The colour of a vehicle, always the same for a name."""
+    return COLORS[sha256(name.encode()).digest()[0] % len(COLORS)]
+
+
+def quadrotor(name: str, airframe: Airframe) -> Thing:
+    """A hull in the vehicle's colour, a dark nose, and four rotor guards about its middle."""
+    origin, color = Point(0.0, 0.0, 0.0), color_of(name)
+    out = airframe.arm / sqrt(2)
+    length, _, height = airframe.size
+    parts = [
+        Part(Cuboid(Point(length * 0.5, length * 0.2, height * 0.6)), origin, UPRIGHT, color),
+        Part(
+            Cuboid(Point(length * 0.1, length * 0.12, height * 0.4)),
+            Point(length * 0.3, 0.0, 0.0),
+            UPRIGHT,
+            _DARK,
+        ),
+    ]
+    for x, y in ((out, out), (-out, out), (-out, -out), (out, -out)):
+        guard = Cylinder(length / 2 - out - 0.005, height * 0.15)
+        parts.append(Part(guard, Point(x, y, height * 0.4), UPRIGHT, color))
+    return Thing(name, "vehicle", origin, UPRIGHT, tuple(parts))

@@ -1,0 +1,50 @@
+"""The settings that only the simulator knows (see :class:`hal.vehicle.Options`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+
+from hal.rendering import check_renderer
+from hal.sim.cameras import CameraSpec, read_cameras
+from vencejo.errors import UserError, nearest
+
+_KNOWN = ("noise", "cameras", "renderer", "shadows")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the simulator is to be."""
+
+    noise: float
+    """Scale of the command noise, 0 for none."""
+    cameras: Mapping[str, CameraSpec]
+    """On every vehicle."""
+    renderer: str
+    shadows: bool
+    """Whether what stands on the ground darkens it in pictures."""
+
+
+def read_settings(given: Mapping[str, object]) -> Settings:
+    """Check what was given. Raises UserError for settings that are none, or wrong."""
+    for name in given:
+        if name not in _KNOWN:
+            raise UserError(
+                "unknown-setting",
+                f"the simulator has no setting '{name}'",
+                hint=nearest(name, _KNOWN),
+            )
+    noise = given.get("noise", 0.0)
+    if not isinstance(noise, (int, float)) or not isfinite(noise) or noise < 0:
+        raise UserError(
+            "bad-setting",
+            f"'noise' must be true, false or a factor of 0 or more, not {noise!r}",
+            hint="1 is the command noise of Gazebo's AR.Drone, 0 is none",
+        )
+    return Settings(
+        float(noise),
+        read_cameras(given.get("cameras")),
+        check_renderer(given.get("renderer", "raster")),
+        bool(given.get("shadows", False)),
+    )

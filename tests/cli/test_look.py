@@ -1,0 +1,59 @@
+"""`drone-cli worlds NAME --render` and `--gui`, and the run's options for cameras."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import pytest
+
+from cli.look import view
+from hal.raster.solids import rotation
+from tests.cli.run_cli import run_cli
+from worlds import find_world, world_names
+
+
+@pytest.mark.parametrize("name", world_names())
+def test_every_shipped_world_is_rendered(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "world.png"
+    result = run_cli("worlds", name, "--render", str(path))
+    assert (result.code, result.out.strip()) == (0, str(path))
+    image = cv2.imread(str(path))
+    assert image is not None and image.shape == (480, 640, 3)
+    assert image.std() > 2
+
+
+def test_from_a_place_of_ones_own() -> None:
+    world = find_world("yard")
+    at, attitude = view(world, "front", (1.0, 2.0, 3.0, 0.0))
+    assert at == (1.0, 2.0, 3.0)
+    assert rotation(attitude)[:, 2].tolist() == pytest.approx([1, 0, 0])
+    at, attitude = view(world, "down", None)
+    assert at == (0.0, 0.0, 10.0)
+    assert rotation(attitude)[:, 2].tolist() == pytest.approx([0, 0, -1])
+    _, attitude = view(world, "top", None)
+    # North is up.
+    assert rotation(attitude)[:, 1].tolist() == pytest.approx([0, -1, 0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("worlds", "yard", "--render", "no/such/folder/x.png"), "cannot be written"),
+        (("worlds", "yard", "--render", "x.nothing"), "cannot be written"),
+        (("worlds", "--render", "x.png"), "which world?"),
+        (("worlds", "yard", "--render", "x.png", "--at", "1,2"), "'1,2' is not x,y,z"),
+        (("worlds", "yard", "--gui"), "there is no display"),
+        (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
+        (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),
+        (("run", "first_flight", "--renderer", "tny"), "did you mean 'tiny'?"),
+    ],
+)
+def test_what_cannot_be_is_told(
+    arguments: tuple[str, ...], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    result = run_cli(*arguments)
+    assert result.code == 2 and message in result.err
+    assert list(tmp_path.iterdir()) == []

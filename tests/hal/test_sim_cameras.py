@@ -1,0 +1,255 @@
+"""Cameras of the simulated vehicle."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from hal.raster.solids import rotation
+from hal.sim import CameraSpec, SimSession, open_session
+from hal.sim.bullet import Bullet
+from hal.sim.looks import color_of
+from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
+from tests.hal.scenes import ROAD, marker, town, world_of
+from vencejo.errors import UserError
+from vencejo.geometry import Point, turned
+from worlds.model import World
+
+ROOT = Path(__file__).parents[2]
+AHEAD, DOWN = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+"""In optical axes: where the camera looks, and its picture's upper edge."""
+
+
+def session_on(world: World, vehicles: tuple[str, ...] = ("drone",), **settings: Any) -> SimSession:
+    return SimSession(Options(vehicles, settings=settings), world, Bullet())
+
+
+def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
+    """What a camera shows after each of some periods."""
+    found = []
+    for _ in range(periods):
+        session.wait()
+        taken = session.vehicles["drone"].camera(camera).latest()
+        assert taken is not None
+        found.append(taken)
+    return found
+
+
+def test_both_default_cameras_are_told_of() -> None:
+    with session_on(world_of()) as session:
+        drone = session.vehicles["drone"]
+        assert {"camera.front", "camera.ventral"} <= drone.capabilities
+        with pytest.raises(Unavailable, match=r"no camera 'rear' \(it has: front, ventral\)"):
+            drone.camera("rear")
+
+
+def test_where_the_default_cameras_look() -> None:
+    with session_on(world_of()) as session:
+        drone = session.vehicles["drone"]
+        front, ventral = (drone.camera(name).latest() for name in ("front", "ventral"))
+        assert front is not None and ventral is not None
+        assert turned(AHEAD, front.attitude) == pytest.approx((1, 0, 0), abs=1e-6)
+        assert turned(DOWN, front.attitude) == pytest.approx((0, 0, 1), abs=1e-6)
+        assert turned(AHEAD, ventral.attitude) == pytest.approx((0, 0, -1), abs=1e-6)
+        assert turned(DOWN, ventral.attitude) == pytest.approx((1, 0, 0), abs=1e-6)
+        assert front.image.shape == ventral.image.shape == (240, 320, 3)
+        assert front.image.dtype == np.uint8
+        assert not front.image.flags.writeable
+        assert (front.image[:110] == (230, 190, 150)).all()
+        assert front.intrinsics.cx == 159.5 and front.intrinsics.distortion == ()
+
+
+def test_pictures_come_at_the_rate_of_the_camera_and_are_of_its_capture_time() -> None:
+    cameras = {"fast": {"rate": 30}, "slow": {"rate": 7.5}}
+    with session_on(world_of(), cameras=cameras) as session:
+        session.vehicles["drone"].takeoff(2.0)
+        fast = frames(session, "fast", 80)
+        slow = session.vehicles["drone"].camera("slow").latest()
+        assert [frame.sequence for frame in fast[:4]] == [0, 1, 2, 3]
+        assert [frame.sequence for frame in fast[-4:]] == [57, 58, 59, 60]
+        assert [frame.time for frame in fast] == [frame.sequence / 30 for frame in fast]
+        assert slow is not None and (slow.sequence, slow.time) == (15, 2.0)
+
+
+def test_a_picture_read_late_shows_its_capture_time() -> None:
+    """Read at once or at the end of its time, a frame is the same, pose and pixels."""
+    settings = {"cameras": {"down": {"tilt": pi / 2, "rate": 4.0}}}
+    seen = []
+    for late in (False, True):
+        with session_on(town(), **settings) as session:
+            drone = session.vehicles["drone"]
+            drone.takeoff(3.0)
+            for period in range(120):
+                if period == 60:
+                    drone.command(Velocity(x=2.0, yaw_rate=1.0))
+                session.wait()
+                if period == (118 if late else 109):
+                    frame = drone.camera("down").latest()
+                    assert frame is not None
+                    seen.append(frame)
+    first, second = seen
+    assert (first.sequence, first.time) == (second.sequence, second.time) == (11, 2.75)
+    assert (first.position, first.attitude) == (second.position, second.attitude)
+    assert (first.image == second.image).all()
+    assert first.attitude[0] != 0
+
+
+def test_the_pose_of_a_frame_fits_its_picture() -> None:
+    """A marker is found where the frame's pose, lens and distortion project it."""
+    bent = {"distortion": (-0.28, 0.09, 0.001, -0.0008, 0.0), "width": 640, "height": 480}
+    world = world_of(marker(4, (2.5, 0.4, 0.01), 0.6), ground=ROAD)
+    with session_on(world, cameras={"ventral": bent}) as session:
+        drone = session.vehicles["drone"]
+        drone.takeoff(2.0)
+        frames(session, "ventral", 160)
+        drone.command(Position(Point(2.2, 0.2, 2.0), yaw=0.5))
+        checked = 0
+        fine = cv2.aruco.DetectorParameters()
+        fine.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        known = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+        find = cv2.aruco.ArucoDetector(known, fine)
+        for frame in frames(session, "ventral", 100)[40::10]:
+            corners, ids, _ = find.detectMarkers(frame.image)
+            if ids is None:
+                continue
+            lens = frame.intrinsics
+            matrix = np.array([[lens.fx, 0, lens.cx], [0, lens.fy, lens.cy], [0, 0, 1]])
+            turn = rotation(frame.attitude).T
+            around = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * 0.3
+            want, _ = cv2.projectPoints(
+                np.add(around, (2.5, 0.4, 0.01)),
+                cv2.Rodrigues(turn)[0],
+                -turn @ np.array(frame.position),
+                matrix,
+                np.array(lens.distortion),
+            )
+            assert np.abs(corners[0].reshape(4, 2) - want.reshape(4, 2)).max() < 0.5
+            checked += 1
+        assert checked >= 4
+
+
+def test_a_camera_of_ones_own() -> None:
+    spec = CameraSpec(at=Point(0, 0.1, 0), pan=pi / 2, tilt=0.3, width=160, height=120, rate=10.0)
+    with session_on(world_of(), cameras={"side": spec, "ventral": None}) as session:
+        drone = session.vehicles["drone"]
+        assert "camera.ventral" not in drone.capabilities
+        side = drone.camera("side").latest()
+        assert side is not None and side.image.shape == (120, 160, 3)
+        assert turned(AHEAD, side.attitude) == pytest.approx((0, 0.9553, -0.2955), abs=1e-4)
+        assert side.position == pytest.approx((0, 0.1, 0.06), abs=1e-3)
+
+
+def test_noise_is_as_strong_as_asked_and_the_runs_own() -> None:
+    def noisy(seed: int) -> list[Frame]:
+        options = Options(seed=seed, settings={"cameras": {"front": {"noise": 4.0}}})
+        with SimSession(options, world_of(), Bullet()) as session:
+            return frames(session, "front", 6)
+
+    first, again, other = noisy(1), noisy(1), noisy(2)
+    sky = [frame.image[:100].astype(int) - (230, 190, 150) for frame in first]
+    assert abs(sky[0].mean()) < 0.1 and 3.8 < sky[0].std() < 4.2
+    assert (first[1].image == again[1].image).all()
+    assert (first[1].image != other[1].image).any()
+    assert (first[1].image != first[3].image).any()
+
+
+def test_exposure_blurs_along_the_motion() -> None:
+    def sharpness(exposure: float) -> float:
+        with session_on(town(), cameras={"ventral": {"exposure": exposure}}) as session:
+            drone = session.vehicles["drone"]
+            drone.takeoff(2.0)
+            frames(session, "ventral", 100)
+            drone.command(Velocity(yaw_rate=1.7))
+            frame = frames(session, "ventral", 60)[-1]
+        return float(cv2.Laplacian(frame.image, cv2.CV_64F).var())
+
+    assert sharpness(0.04) < 0.5 * sharpness(0.0)
+
+
+def test_vehicles_see_each_other_and_not_themselves() -> None:
+    with session_on(world_of(), ("cat", "mouse")) as session:
+        cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
+        ahead, behind = cat.camera("front").latest(), mouse.camera("front").latest()
+        assert ahead is not None and behind is not None
+        colors = color_of("mouse"), color_of("cat")
+        shown = [
+            int((np.abs(frame.image.astype(int) - color[::-1]).max(2) < 60).sum())
+            for frame, color in ((ahead, colors[0]), (behind, colors[1]))
+        ]
+        assert shown[0] > 300 and shown[1] == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"cameras": {"front": {"widht": 3}}}, "the camera 'front' has no 'widht'"),
+        ({"cameras": {"front": {"width": 0}}}, "has a width of 0"),
+        ({"cameras": {"front": {"width": 3.5}}}, "has a width of 3.5"),
+        ({"cameras": {"front": {"rate": 500}}}, "has a rate of 500"),
+        ({"cameras": {"front": {"distortion": (1.0,)}}}, "a distortion of 1 numbers"),
+        ({"cameras": {"front": {"at": (1.0, 2.0)}}}, "is at (1.0, 2.0)"),
+        ({"cameras": {"front": 7}}, "is 7"),
+        ({"cameras": {"no name": {}}}, "'no name' is no name of a camera"),
+        ({"cameras": 3}, "'cameras' is a map of names"),
+        ({"renderer": "opengl"}, "there is no renderer 'opengl'"),
+    ],
+)
+def test_settings_that_cannot_be_are_told(given: dict[str, object], message: str) -> None:
+    with pytest.raises(UserError) as error:
+        open_session(Options(settings=given))
+    assert message in str(error.value)
+
+
+def test_a_distortion_that_bends_too_far_is_told() -> None:
+    with (
+        session_on(world_of(), cameras={"front": {"distortion": (-3.0, 0, 0, 0)}}) as session,
+        pytest.raises(UserError, match="bends the edge of the picture too far"),
+    ):
+        session.vehicles["drone"].camera("front").latest()
+
+
+def track(reads: tuple[str, ...], **settings: Any) -> list[object]:
+    """All that a vehicle reports in a flight during which some cameras are read."""
+    seen: list[object] = []
+    with session_on(town(), noise=1.0, **settings) as session:
+        drone = session.vehicles["drone"]
+        drone.takeoff(2.0)
+        for period in range(100):
+            if period == 60:
+                drone.command(Velocity(x=1.0, yaw_rate=0.5))
+            session.wait()
+            if period % 10 == 0:
+                for name in reads:
+                    drone.camera(name).latest()
+            seen.append(drone.observe())
+    return seen
+
+
+def test_reading_cameras_changes_nothing_else() -> None:
+    alone = track(())
+    assert track(("front", "ventral")) == alone
+    noisy = {"front": {"noise": 3.0, "exposure": 0.01}}
+    assert track(("front",), cameras=noisy) == alone
+    assert track(("front",), renderer="tiny") == alone
+    assert track(("front",), shadows=True) == alone
+
+
+def test_a_flight_without_pictures_imports_nothing_for_them() -> None:
+    program = (
+        "import sys\n"
+        "from hal.sim import open_session\n"
+        "from hal.vehicle import Options\n"
+        "with open_session(Options()) as session:\n"
+        "    session.wait()\n"
+        "print('cv2' in sys.modules, 'hal.raster' in sys.modules)\n"
+    )
+    command = [sys.executable, "-c", program]
+    ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == ["False", "False"]
