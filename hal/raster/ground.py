@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hal.raster.solids import Array
-from hal.raster.tiles import FINEST, LEVELS, SIDE, Tiles
+from hal.raster.tiles import FINEST, LEVELS, SIDE, Tiles, filled
 
 Pixels = NDArray[np.uint8]
 
@@ -224,10 +224,3 @@ class GroundPainter:
                     level, west + c, south + r
                 )
         return _Patch(west, south, columns, rows, texels)
-
-
-def filled(width: int, height: int, color: tuple[int, ...]) -> Pixels:
-    """A picture of one BGRA colour."""
-    # As whole words: filling byte by byte takes twenty times as long.
-    word = np.frombuffer(bytes(color), np.uint32)[0]
-    return np.full((height, width), word, np.uint32).view(np.uint8).reshape(height, width, 4)

@@ -37,11 +37,16 @@ def paint_order(
     a, b = np.nonzero(overlap)
     front = (depths[a, 1] <= depths[b, 0] + _TOUCH) * 1 - (depths[b, 1] <= depths[a, 0] + _TOUCH)
     low, high = boxes[:, :3], boxes[:, 3:]
+    open_ = np.flatnonzero(front == 0)
     for p, q, sign in ((a, b, 1), (b, a, -1)):
-        apart = high[p] <= low[q] + _TOUCH
-        middle = (high[p] + low[q]) / 2
-        front = np.where((front == 0) & (apart & (eye <= middle)).any(1), sign, front)
-        front = np.where((front == 0) & (apart & (eye > middle)).any(1), -sign, front)
+        if not len(open_):
+            break
+        ends, begins = high[p[open_]], low[q[open_]]
+        # 1 where a plane across an axis has p on the camera's side of it, −1 where q.
+        sides = np.where(ends <= begins + _TOUCH, np.where(2 * eye <= ends + begins, 1, -1), 0)
+        nearer = np.where((sides > 0).any(1), sign, -sign * (sides < 0).any(1))
+        front[open_] = nearer
+        open_ = open_[nearer == 0]
     for pair in np.flatnonzero(front == 0).tolist():
         front[pair] = side(int(a[pair]), int(b[pair]))
     before = np.where(front > 0, b, a)

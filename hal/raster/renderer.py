@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hal.raster.depth import draw_knot
-from hal.raster.ground import Band, GroundPainter, GroundView, filled
+from hal.raster.ground import Band, GroundPainter, GroundView
 from hal.raster.order import paint_order
 from hal.raster.scene import Pose, Scene
 from hal.raster.shadows import Shadows
 from hal.raster.solids import Array, cut, relief_of, rotation
 from hal.raster.spans import Outlines, Spans, outlines, spans
 from hal.raster.textures import picture_of
-from hal.raster.tiles import Tiles
+from hal.raster.tiles import Tiles, filled
 from hal.vehicle import Intrinsics
 from worlds.model import World
 from worlds.motion import pose_at
@@ -203,7 +203,9 @@ class Raster:
             return
         scene = self._scene
         owners = scene.solid_of_face[faces.numbers]
-        solids, first = np.unique(owners, return_index=True)
+        # Faces come in the order of their solids.
+        first = np.flatnonzero(np.diff(owners, prepend=-1))
+        solids = owners[first]
         groups = self._order(shot, faces, solids, first)
         shades = self._shades(faces.numbers)
         colors = np.rint(scene.colors[faces.numbers][:, ::-1] * shades[:, None])
@@ -365,9 +367,8 @@ def _in_view(shot: _Shot, middles: Array, reach: Array) -> NDArray[np.bool_]:
 
 
 def _box(points: NDArray[np.int32]) -> tuple[int, int, int, int]:
-    left, top = points.min(0).tolist()
-    right, bottom = points.max(0).tolist()
-    return left, top, right + 1, bottom + 1
+    left, top, width, height = cv2.boundingRect(points)
+    return left, top, left + width, top + height
 
 
 def _paste(
