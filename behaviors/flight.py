@@ -135,6 +135,8 @@ class Flight:
         """Raise a declared event: name and record. Set for the behaviour that is at work."""
         self.publish: Callable[[Any], None] = _no_value
         """Publish a record of the declared class."""
+        self.looked: Callable[[str, Frame], None] = _unseen
+        """Told of each frame that is read: the camera's name, and the frame in the world frame."""
         self.observe()
 
     def observe(self) -> Observation:
@@ -195,7 +197,7 @@ class Flight:
 
     def camera(self, name: str) -> Camera:
         """A camera whose frames carry mission-frame poses. Raises hal's Unavailable."""
-        return _MissionCamera(self._vehicle.camera(name), self.frame)
+        return _MissionCamera(self._vehicle.camera(name), name, self)
 
     def sensor(self, name: str) -> Sensor:
         """A sensor by name. Raises hal's Unavailable."""
@@ -203,15 +205,17 @@ class Flight:
 
 
 class _MissionCamera:
-    def __init__(self, camera: Camera, frame: MissionFrame) -> None:
+    def __init__(self, camera: Camera, name: str, flight: Flight) -> None:
         self._camera = camera
-        self._frame = frame
+        self._name = name
+        self._flight = flight
 
     def latest(self) -> Frame | None:
         taken = self._camera.latest()
         if taken is None:
             return None
-        return dataclasses.replace(taken, position=self._frame.from_world(taken.position))
+        self._flight.looked(self._name, taken)
+        return dataclasses.replace(taken, position=self._flight.frame.from_world(taken.position))
 
 
 def _no_event(name: str, record: Any = None) -> None:
@@ -220,6 +224,10 @@ def _no_event(name: str, record: Any = None) -> None:
 
 def _no_value(record: Any) -> None:
     raise RuntimeError("values are published by a behaviour that is at work")
+
+
+def _unseen(camera: str, frame: Frame) -> None:
+    """Nobody keeps frames."""
 
 
 __all__ = ["Flight", "Hold", "MissionFrame", "Position", "Velocity"]

@@ -27,6 +27,7 @@ from bench.machine import machine
 from cli import missions
 from cli.flight import Plan, fly
 from cli.prepare import prepare
+from cli.recorder import Recorder
 from fsm import parse_parameters
 from fsm.machine import Record
 from hal.rendering import RENDERERS, Pose, open_renderer
@@ -119,14 +120,22 @@ class _Reader:
                 self.frames += 1
 
 
-def factor(world: Path, cameras: tuple[str, ...], settings: dict[str, object]) -> float:
-    """Mission time by CPU time of one flight, its first picture included."""
+def factor(
+    world: Path, cameras: tuple[str, ...], settings: dict[str, object], frames: bool | None = None
+) -> float:
+    """Mission time by CPU time of one flight, its first picture included.
+
+    ``frames``: leave a run folder, with the frames or without them.
+    """
     prepared = prepare(missions.find("first_flight"), str(world))
     plan = Plan(prepared, parse_parameters(prepared.graph, {}), settings=settings)
-    began = process_time()
-    flown = fly(plan, watchers=[_Reader(cameras)] if cameras else [])
+    with TemporaryDirectory() as folder:
+        record = None if frames is None else lambda: Recorder(Path(folder), frames=frames)
+        began = process_time()
+        flown = fly(plan, record, [_Reader(cameras)] if cameras else [])
+        took = process_time() - began
     assert flown.outcome == "done", flown.reason
-    return flown.mission_time / (process_time() - began)
+    return flown.mission_time / took
 
 
 def main() -> None:
@@ -146,6 +155,8 @@ def main() -> None:
             "no camera": partial(fly_with, (), {}),
             "one camera": partial(fly_with, ("front",), {}),
             "one, noise and distortion": partial(fly_with, ("front",), noisy),
+            "one camera, run folder": partial(fly_with, ("front",), {}, frames=False),
+            "the same, frames kept": partial(fly_with, ("front",), {}, frames=True),
             "two cameras": partial(fly_with, ("front", "ventral"), {}),
             "one camera, tiny": partial(fly_with, ("front",), {"renderer": "tiny"}),
         }

@@ -37,7 +37,11 @@ class Plan:
 
 
 class Watcher(Protocol):
-    """Sees every period of a flight."""
+    """Sees every period of a flight.
+
+    Looks through ``pilot.vehicle``: what is read through ``pilot.flight`` counts as read by the
+    mission and is recorded.
+    """
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None: ...
 
@@ -113,6 +117,7 @@ def fly(
         if recorder:
             stack.callback(recorder.close)
             recorder.header(_facts(plan, session.engine))
+            recorder.follow(pilot)
         tally, answered, start = Tally(), 0, vehicle.observe().time
         began = time.perf_counter()
         while not pilot.finished:

@@ -1,7 +1,7 @@
 """The run folder: what a flight leaves behind. Written in flight by appending only.
 
 ``events.jsonl`` holds one JSON object a line and nothing of this machine or this moment, so that
-equal runs give equal bytes; ``docs/runs.md`` describes it and ``telemetry.csv``.
+equal runs give equal bytes; ``docs/runs.md`` describes it, ``telemetry.csv`` and the frames.
 """
 
 from __future__ import annotations
@@ -9,14 +9,17 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, is_dataclass
+from contextlib import ExitStack
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from behaviors import Pilot
+from cli.appending import AppendedFile, as_json, encode, writing
+from cli.frames import FrameFiles
 from fsm.machine import Record
-from hal.vehicle import Observation
+from hal.vehicle import Frame, Observation
 from vencejo.errors import UserError, Where
 from vencejo.geometry import roll_pitch_of
 from worlds import World
@@ -24,23 +27,9 @@ from worlds import World
 FORMAT = "vencejo.events"
 FORMAT_VERSION = 1
 TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
-_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s\n"
+_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: what a killed run may lose is one second."""
-
-
-def as_json(value: Any) -> Any:
-    """What json cannot write by itself: points as lists, records as maps."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return asdict(value)
-    if isinstance(value, (set, frozenset)):
-        return sorted(value)
-    return str(value)
-
-
-_encode = json.JSONEncoder(
-    ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=as_json
-).encode
 
 
 def new_folder(parent: Path, stamp: str, mission: str) -> Path:
@@ -63,38 +52,54 @@ def new_folder(parent: Path, stamp: str, mission: str) -> Path:
 
 
 class Recorder:
-    """Appends what happens to the files of one run folder."""
+    """Appends what happens to the files of one run folder.
 
-    def __init__(self, folder: Path) -> None:
+    What cannot be written raises UserError (``cannot-record``).
+    """
+
+    def __init__(self, folder: Path, *, frames: bool = True) -> None:
+        """``frames``: whether the pictures that were read are kept."""
         self.folder = folder
         self._sequence = 0
         self._rows: list[tuple[Observation, str, str]] = []
         self._state = ""
-        self._events: IO[str] = (folder / "events.jsonl").open("w", encoding="utf-8", newline="\n")
-        self._telemetry: IO[str] = (folder / "telemetry.csv").open(
-            "w", encoding="utf-8", newline="\n"
-        )
-        self._telemetry.write(TELEMETRY_COLUMNS + "\n")
+        self._frames = FrameFiles(folder) if frames else None
+        self._read: list[tuple[str, str, Frame]] = []
+        """Vehicle, camera and frame of what was read since it was last written."""
+        self._events = AppendedFile(folder / "events.jsonl")
+        self._telemetry = AppendedFile(folder / "telemetry.csv")
 
     def keep(self, files: Iterable[Path], base: Path) -> None:
         """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
         for path in files:
             inside = path.is_relative_to(base)
             copy = self.folder / (path.relative_to(base) if inside else path.name)
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, copy)
+            with writing(copy):
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, copy)
 
     def keep_world(self, world: World) -> None:
         """Copy a world and the files it names; a generated one is written down."""
         self.keep(world.files, world.source.parent)
         if not world.files:
-            (self.folder / f"{world.name}.yaml").write_text(world.text, "utf-8")
+            copy = self.folder / f"{world.name}.yaml"
+            with writing(copy):
+                copy.write_text(world.text, "utf-8")
 
     def header(self, facts: Mapping[str, Any]) -> None:
-        """The first line: what makes this run what it is."""
+        """The first lines: what makes this run what it is."""
         first = {"format": FORMAT, "version": FORMAT_VERSION, **facts}
-        self._events.write(_encode(first) + "\n")
-        self._events.flush()
+        self._events.append([encode(first)])
+        self._telemetry.append([TELEMETRY_COLUMNS])
+
+    def follow(self, pilot: Pilot) -> None:
+        """Keep what the behaviours of this pilot will look at."""
+        if self._frames is not None:
+            pilot.flight.looked = partial(self._look, pilot.vehicle.name)
+
+    def _look(self, vehicle: str, camera: str, frame: Frame) -> None:
+        # Written after the period: a full disk is no failure of the behaviour that looked.
+        self._read.append((vehicle, camera, frame))
 
     def take(self, pilot: Pilot) -> list[Record]:
         """Write one period of a pilot: its records, now empty, and a row of telemetry."""
@@ -103,34 +108,46 @@ class Recorder:
         vehicle = pilot.vehicle.name
         if records:
             pilot.instance.records = []
+            lines = []
             for kind, fields in records:
                 line = {"seq": self._sequence, "t": seen.time, "vehicle": vehicle, "kind": kind}
-                self._events.write(_encode({**line, **fields}) + "\n")
+                lines.append(encode({**line, **fields}))
                 self._sequence += 1
-            self._events.flush()
+            self._events.append(lines)
             self._state = "|".join(pilot.instance.paths())
         # Formatted many at a time: one by one they would take twice as long.
         self._rows.append((seen, vehicle, self._state))
         if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
+        if self._read:
+            self._write_frames()
         return records
 
     def _write_rows(self) -> None:
-        self._telemetry.write("".join([_row(*row) for row in self._rows]))
-        self._telemetry.flush()
-        self._rows.clear()
+        rows, self._rows = self._rows, []
+        self._telemetry.append([_row(*row) for row in rows])
+
+    def _write_frames(self) -> None:
+        read, self._read = self._read, []
+        if self._frames is not None:
+            for frame in read:
+                self._frames.write(*frame)
 
     def close(self) -> None:
         """Everything is on disk after this; closing again does nothing."""
-        if not self._telemetry.closed:
-            self._write_rows()
-        self._events.close()
-        self._telemetry.close()
+        with ExitStack() as stack:
+            for file in (self._frames, self._telemetry, self._events):
+                if file is not None:
+                    stack.callback(file.close)
+            if self._rows:
+                self._write_rows()
+            self._write_frames()
 
     def write(self, name: str, content: Mapping[str, Any]) -> None:
         """A JSON file beside the log, for people to read too."""
         text = json.dumps(content, indent=2, ensure_ascii=False, default=as_json)
-        (self.folder / name).write_text(text + "\n", encoding="utf-8")
+        with writing(self.folder / name):
+            (self.folder / name).write_text(text + "\n", encoding="utf-8")
 
 
 def _row(seen: Observation, vehicle: str, state: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
@@ -12,12 +13,12 @@ from typing import Any
 import click
 
 from cli import missions
+from cli.appending import as_json as as_json_value
 from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
 from cli.options import MissionName, Speed, Word, assignments, cameras
 from cli.pace import Pace
 from cli.prepare import prepare
 from cli.recorder import Recorder, new_folder
-from cli.recorder import as_json as as_json_value
 from cli.signals import Interrupts
 from fsm import parse_parameters
 from hal import backend_names
@@ -80,6 +81,11 @@ from vencejo.errors import UserError
     help="Where the run folder is made.",
 )
 @click.option(
+    "--no-frames",
+    is_flag=True,
+    help="Do not keep the camera pictures that behaviours read, to save space.",
+)
+@click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
 def run(
@@ -93,6 +99,7 @@ def run(
     wanted_cameras: dict[str, dict[str, int | float] | None],
     renderer: str,
     runs_dir: Path,
+    no_frames: bool,
     as_json: bool,
 ) -> None:
     """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
@@ -109,16 +116,23 @@ def run(
     if backend == "sim":
         settings = {"noise": noise, "cameras": wanted_cameras, "renderer": renderer}
     plan = Plan(prepared, values, backend, seed, settings)
-    summary = _fly(plan, speed, runs_dir, as_json)
-    sys.exit(summary["exit_code"])
-
-
-def _fly(plan: Plan, speed: float | None, runs_dir: Path, as_json: bool) -> dict[str, Any]:
-    made: list[Recorder] = []
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-        made.append(Recorder(new_folder(runs_dir, stamp, plan.prepared.graph.name)))
+        folder = new_folder(runs_dir, stamp, prepared.graph.name)
+        return Recorder(folder, frames=not no_frames)
+
+    summary = _fly(plan, speed, record, as_json)
+    sys.exit(summary["exit_code"])
+
+
+def _fly(
+    plan: Plan, speed: float | None, new_recorder: Callable[[], Recorder], as_json: bool
+) -> dict[str, Any]:
+    made: list[Recorder] = []
+
+    def record() -> Recorder:
+        made.append(new_recorder())
         made[0].keep(plan.prepared.files, plan.prepared.found.path.parent)
         made[0].keep_world(plan.prepared.world)
         return made[0]

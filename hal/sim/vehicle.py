@@ -8,12 +8,12 @@ from math import isfinite
 from hal.orders import Orders
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
-from hal.sim.bumps import Bumps
 from hal.sim.cameras import Track
 from hal.sim.control import Controller
+from hal.sim.footing import REST, Footing
 from hal.sim.limits import set_limits
 from hal.sim.noise import CommandNoise
-from hal.sim.physics import Physics, State, Triple, in_body
+from hal.sim.physics import Physics, State, in_body
 from hal.sim.skyline import Skyline
 from hal.vehicle import (
     PERIOD,
@@ -29,7 +29,7 @@ from hal.vehicle import (
     Velocity,
     VisionPose,
 )
-from vencejo.geometry import Point, distance, horizontal_distance, wrap, yaw_of, yaw_quaternion
+from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
 from worlds.model import Start
 
 STEPS = 6
@@ -42,14 +42,8 @@ _RETURN_HEIGHT = 5.0
 """Height above home at which a return flies at least, metres."""
 _ARRIVED = 0.05
 """A place this near is reached, metres."""
-_SEEN_BELOW = 1000.0
-"""How far down the ground is looked for, metres."""
 _TOUCHDOWN_SPEED = 0.3
 """Descent in the last of a landing, m/s; higher up it is the height above ground per second."""
-_REST = 0.1
-"""Slower than this is standing still, m/s."""
-_SETTLED, _SETTLED_ON_AN_EDGE = 10, 40
-"""Mission periods at rest that end a landing: with ground below the middle, and without."""
 
 
 class SimVehicle:
@@ -72,7 +66,6 @@ class SimVehicle:
     ) -> None:
         """``skyline`` tells where there is something to touch; without it that is everywhere."""
         self._name = name
-        self._physics = physics
         self._airframe = airframe
         self._body = physics.add_body(
             airframe.mass,
@@ -91,17 +84,11 @@ class SimVehicle:
         self._controller = Controller(airframe)
         self._battery = Battery(airframe, charge)
         self._noise = noise
-        self._skyline = skyline
-        self._beside = True
-        """Whether there are things to touch in this mission period."""
-        self._carrier: Triple | None = None
-        """The velocity of what is below it and touches it."""
-        self._bumps = Bumps()
+        self._footing = Footing(physics, self._body, airframe.height, skyline)
         self._home = start.at
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
-        self._supported = True
         self._orders = Orders()
         self._holding = False
         """Hold is the command in force."""
@@ -109,8 +96,6 @@ class SimVehicle:
         """To stay where it stops, once it has stopped."""
         self._target = 0.0
         """World height that a take-off or a return climbs to, metres."""
-        self._still = 0
-        """Mission periods at rest."""
         self._thrust = 0.0
         """Sum over the steps of the period, newtons."""
         self._led: Point | None = None
@@ -141,11 +126,11 @@ class SimVehicle:
                 in_body(turning, attitude),
                 self._battery.charge,
                 self._armed,
-                not self._supported,
+                not self._footing.supported,
                 self._mode,
                 self._home,
                 self._health(),
-                touched=self._bumps.new,
+                touched=self._footing.touched,
             )
         return self._observation
 
@@ -160,7 +145,7 @@ class SimVehicle:
         if self._mode == "stopped":
             problems += ("the motors were stopped in the air",)
         qx, qy, _, _ = self._state[1]
-        if self._supported and 1 - 2 * (qx * qx + qy * qy) < 0.8:
+        if self._footing.supported and 1 - 2 * (qx * qx + qy * qy) < 0.8:
             problems += ("the vehicle does not stand upright",)
         return problems
 
@@ -175,7 +160,7 @@ class SimVehicle:
         return Order("arm", "done")
 
     def disarm(self) -> Order:
-        if self._armed and not self._supported:
+        if self._armed and not self._footing.supported:
             return _refused("disarm", "the vehicle is in the air")
         if self._armed:
             self._stop_motors("the motors were stopped")
@@ -184,13 +169,13 @@ class SimVehicle:
     def takeoff(self, altitude: float) -> Order:
         if order := self._orders.get("takeoff"):
             return order
-        if self._mode in ("flying", "returning") and not self._supported:
+        if self._mode in ("flying", "returning") and not self._footing.supported:
             return Order("takeoff", "done")
         health = self._health()
         if health:
             return _refused("takeoff", ", ".join(health))
         x, y, z = self._position()
-        ground = z if self._supported else z - self._height_above_ground()
+        ground = z if self._footing.supported else z - self._footing.free_below(self._state)
         if not 0 < altitude < float("inf"):
             return _refused("takeoff", f"there is no altitude of {altitude:g} m")
         if ground + altitude > self._controller.max_altitude:
@@ -240,21 +225,22 @@ class SimVehicle:
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
-        self._still = 0
+        self._footing.stir()
         self._holding = False
         self._observation = None
 
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
         self._orders.end(reason)
-        self._enter("landed" if self._supported else "stopped")
+        self._enter("landed" if self._footing.supported else "stopped")
 
     # Commands.
 
     def command(self, setpoint: Setpoint) -> None:
         """See the contract. Raises ValueError for numbers that are not finite."""
         _check(setpoint)
-        if self._mode in ("landed", "stopped") or (self._supported and self._mode != "flying"):
+        grounded = self._footing.supported and self._mode != "flying"
+        if grounded or self._mode in ("landed", "stopped"):
             return
         if self._mode != "flying":
             self._orders.end("ended by a command")
@@ -316,9 +302,7 @@ class SimVehicle:
     def plan(self) -> None:
         """Begin a mission period."""
         self._controller.plan(self._state)
-        skyline = self._skyline
-        self._beside = skyline is None or skyline.thing_near(*self._state[0])
-        self._carrier = None
+        self._footing.plan(self._state)
 
     def drive(self) -> None:
         """Push for the next physics step."""
@@ -331,13 +315,11 @@ class SimVehicle:
         """See where the step has led."""
         self._state = self._body.state()
         self._keep(self._state)
-        if self._beside:
-            self._feel()
+        if self._footing.beside and self._is_active():
+            self._footing.feel()
 
-    def _feel(self) -> None:
-        if self._armed or self._mode != "landed":
-            self._carrier, beside = self._body.touches()
-            self._bumps.feel(beside)
+    def _is_active(self) -> bool:
+        return self._armed or self._mode != "landed"
 
     def update(self, time: float) -> None:
         """End a mission period: what was reached, and what to do in the next."""
@@ -347,19 +329,12 @@ class SimVehicle:
         self._controller.acceleration = (0.0, 0.0, 0.0)
         self._battery.drain(self._thrust / STEPS, PERIOD)
         self._thrust = 0.0
-        skyline = self._skyline
-        if skyline is not None and not self._beside and self._state[0][2] < skyline.ground:
-            self._feel()  # the ground is not bumped into: to look for it once is enough
-        self._bumps.end_period()
-        if self._mode == "landed" and not self._armed:
+        active = self._is_active()
+        self._footing.end_period(self._state, active)
+        if not active:
             return
-        carrier = self._carrier
-        self._supported = carrier is not None
-        # On something that moves, to be at rest is to move with it.
-        resting = carrier is not None and distance(self._state[2], carrier) < _REST
-        self._still = self._still + 1 if resting else 0
         noise = self._noise.next()
-        self._controller.noise = (0.0, 0.0, 0.0) if self._supported else noise
+        self._controller.noise = (0.0, 0.0, 0.0) if self._footing.supported else noise
         if self._battery.empty and self._armed:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":
@@ -371,15 +346,15 @@ class SimVehicle:
         elif self._mode == "returning":
             self._update_return()
         elif self._mode == "stopped":
-            if self._still >= _SETTLED:
+            if self._footing.settled():
                 self._enter("landed")
-        elif self._braking and Point(*self._state[2]).norm() < _REST:
+        elif self._braking and Point(*self._state[2]).norm() < REST:
             self._controller.fly_to(*self._position())
             self._braking = False
 
     def _update_landing(self) -> None:
-        height = self._height_above_ground()
-        if self._still >= (_SETTLED if height < _ARRIVED else _SETTLED_ON_AN_EDGE):
+        height = self._footing.free_below(self._state)
+        if self._footing.settled(on_an_edge=height >= _ARRIVED):
             self._stop_motors()
             return
         self._stay_where_it_stops()
@@ -400,15 +375,9 @@ class SimVehicle:
     def _stay_where_it_stops(self) -> None:
         """Hold the place once the braking is over; the height is left alone."""
         vx, vy, _ = self._state[2]
-        if self._braking and Point(vx, vy, 0.0).norm() < _REST:
+        if self._braking and Point(vx, vy, 0.0).norm() < REST:
             self._controller.stay_over(*self._position()[:2])
             self._braking = False
-
-    def _height_above_ground(self) -> float:
-        """Free air below the skids, metres."""
-        x, y, z = self._state[0]
-        below = self._physics.ray((x, y, z), (x, y, z - _SEEN_BELOW))
-        return z - (below.z if below is not None else z - _SEEN_BELOW) - self._airframe.height
 
 
 def _refused(verb: str, reason: str) -> Order:

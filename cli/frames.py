@@ -1,0 +1,72 @@
+"""The pictures that a mission looked at, as JPEG, with a line about each in ``frames.jsonl``."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from cli.appending import AppendedFile, encode, writing
+from hal.vehicle import Frame, Intrinsics
+
+FORMAT = "vencejo.frames"
+FORMAT_VERSION = 1
+QUALITY = 90
+"""Of the JPEGs, from 0 to 100: the files are a quarter smaller than at OpenCV's own 95."""
+_HINT = "make room, fly with --no-frames, or choose another --runs-dir"
+
+
+class FrameFiles:
+    """Writes frames into a run folder, each once; without frames it writes nothing at all."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._lines: AppendedFile | None = None
+        self._last: dict[tuple[str, str], tuple[int, Intrinsics]] = {}
+        """Number and intrinsics of what was written last, by vehicle and camera."""
+
+    def write(self, vehicle: str, camera: str, frame: Frame) -> None:
+        """Keep a frame, world frame. Raises UserError (``cannot-record``)."""
+        last = self._last.get((vehicle, camera))
+        if last is not None and last[0] == frame.sequence:
+            return
+        name = f"frames/{vehicle}/{camera}/{frame.sequence:06d}.jpg"
+        line: dict[str, Any] = {
+            "t": frame.time,
+            "vehicle": vehicle,
+            "camera": camera,
+            "sequence": frame.sequence,
+            "file": name,
+            "position": frame.position,
+            "attitude": frame.attitude,
+        }
+        if last is None or last[1] != frame.intrinsics:
+            line["intrinsics"] = asdict(frame.intrinsics)
+        with writing(self._folder / name, _HINT):
+            self._picture(self._folder / name, frame)
+        self._append(line)
+        self._last[vehicle, camera] = frame.sequence, frame.intrinsics
+
+    def _picture(self, path: Path, frame: Frame) -> None:
+        import cv2  # late: runs that read no frame start without it
+
+        _, data = cv2.imencode(".jpg", frame.image, (cv2.IMWRITE_JPEG_QUALITY, QUALITY))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # Under its own name only when it is whole: the program may be killed at any moment.
+        part = path.with_name(path.name + ".part")
+        try:
+            part.write_bytes(data.data)
+            part.replace(path)
+        except OSError:
+            part.unlink(missing_ok=True)
+            raise
+
+    def _append(self, line: dict[str, Any]) -> None:
+        if self._lines is None:
+            self._lines = AppendedFile(self._folder / "frames.jsonl", _HINT)
+            self._lines.append([encode({"format": FORMAT, "version": FORMAT_VERSION})])
+        self._lines.append([encode(line)])
+
+    def close(self) -> None:
+        if self._lines is not None:
+            self._lines.close()
