@@ -19,6 +19,7 @@ from cli.recorder import Recorder, file_hash
 from fsm.machine import Record
 from hal import Options, open_backend
 from hal.vehicle import Observation
+from vencejo.errors import UserError
 from vencejo.geometry import distance
 from vencejo.version import __version__
 
@@ -104,7 +105,8 @@ def fly(
     """Fly a plan to its end.
 
     ``record`` makes the recorder once nothing can keep the flight from starting any more.
-    Raises VehicleError when the backend fails, UserError when the vehicle cannot fly this.
+    Raises VehicleError when the backend fails, UserError when the vehicle cannot fly this, or,
+    after it has landed, when the flight could not be recorded.
     """
     pace, stops = pace or Pace(None), stops or _Never()
     graph = plan.prepared.graph
@@ -119,6 +121,7 @@ def fly(
             recorder.header(_facts(plan, session.engine))
             recorder.follow(pilot)
         tally, answered, start = Tally(), 0, vehicle.observe().time
+        unwritten: UserError | None = None
         began = time.perf_counter()
         while not pilot.finished:
             session.wait()
@@ -126,12 +129,19 @@ def fly(
                 answered = stops.count
                 pilot.abort() if answered == 1 else pilot.land_now()
             pilot.period()
-            records = recorder.take(pilot) if recorder else _drain(pilot)
+            try:
+                records = recorder.take(pilot) if recorder else _drain(pilot)
+            except UserError as error:
+                # A flight nobody can read afterwards is of no use, but it is not left in the air.
+                unwritten, recorder, records = error, None, []
+                pilot.land_now()
             tally.add(pilot.flight.world, frame.origin.z)
             for watcher in watchers:
                 watcher.show(pilot, records)
             if pace.factor is not None:
                 pace.wait(pilot.flight.now, partial(_asked_more, stops, answered))
+        if unwritten is not None:
+            raise unwritten
         if recorder:
             recorder.close()
         return Flown(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,15 @@ import cv2
 import numpy as np
 import pytest
 
+from behaviors import Pilot
+from cli import missions
 from cli.appending import AppendedFile
+from cli.flight import Plan, fly
 from cli.frames import FrameFiles
+from cli.prepare import prepare
+from cli.recorder import Recorder
+from fsm import parse_parameters
+from fsm.machine import Record
 from hal.vehicle import Frame, Intrinsics
 from tests.cli.run_cli import run_cli
 from vencejo.errors import UserError
@@ -213,6 +220,32 @@ def test_a_full_disk_is_explained(
     assert f"{name}: error: cannot write into the run folder: No space left" in result.err
     assert ("--no-frames" in result.err) == (name == "frames.jsonl")
     assert "Traceback" not in result.err
+
+
+def test_a_flight_that_cannot_be_recorded_any_more_lands_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[tuple[float, bool]] = []
+
+    class Watch:
+        def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+            here = pilot.vehicle.observe()
+            seen.append((here.time, here.flying))
+
+    def full_after_3_s(self: Recorder, pilot: Pilot) -> list[Record]:
+        if pilot.flight.now > 3:
+            raise UserError("cannot-record", "no room")
+        return taken(self, pilot)
+
+    taken = Recorder.take
+    monkeypatch.setattr(Recorder, "take", full_after_3_s)
+    prepared = prepare(missions.find("first_flight"))
+    plan = Plan(prepared, parse_parameters(prepared.graph, {}))
+    with pytest.raises(UserError, match="no room"):
+        fly(plan, lambda: Recorder(tmp_path), [Watch()])
+    assert seen[0][0] < 3 < seen[-1][0] < 12
+    assert any(flying for time, flying in seen if time > 3)
+    assert not seen[-1][1]
 
 
 def test_lines_are_on_their_way_at_once(tmp_path: Path) -> None:
