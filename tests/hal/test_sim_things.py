@@ -210,6 +210,23 @@ def _on_path(physics: Bullet, seconds: float) -> None:
     assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
 
 
+@pytest.mark.parametrize("smooth_corner", [True, False])
+def test_a_mover_is_where_pictures_show_it_at_every_step(
+    physics: Bullet, smooth_corner: bool
+) -> None:
+    """Cameras of 30 Hz look between mission periods; corners and curves differ most there."""
+    corners = tuple(Point(3 * cos(k), 3 * sin(k), 1) for k in range(6)) if smooth_corner else SQUARE
+    moving = pad(9.0, corners)
+    physics.add_things([moving])
+    (mover,) = physics._movers
+    for steps in range(1, 600):
+        physics.step()
+        at, attitude = physics._p.getBasePositionAndOrientation(mover.body, physics._client)
+        there, heading = pose_at(moving, steps * STEP)
+        assert at == pytest.approx(there, abs=1e-6)
+        assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
+
+
 def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:
     points = (Point(0, 0, 1), Point(40, 0, 1))
     moving = pad(0.5, points, turns=False)
