@@ -143,7 +143,7 @@ def _mesh(shape: Mesh, color: Color) -> Solid:
 
 
 def relief_of(terrain: Terrain, color: Color) -> Solid:
-    """The surface of a height field, two triangles to a cell."""
+    """The surface of a height field, two triangles to a cell as :func:`height_at` has them."""
     heights = np.array(terrain.heights, float)
     rows, columns = heights.shape
     half = terrain.size / 2
@@ -156,7 +156,7 @@ def relief_of(terrain: Terrain, color: Color) -> Solid:
     faces = [
         Face(face, color)
         for a in corner
-        for face in ((a, a + 1, a + columns + 1), (a, a + columns + 1, a + columns))
+        for face in ((a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns))
     ]
     return Solid(vertices, tuple(faces), convex=False)
 

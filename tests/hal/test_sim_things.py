@@ -9,6 +9,7 @@ from random import Random
 
 import pytest
 
+from hal.raster.solids import relief_of
 from hal.sim import open_session
 from hal.sim.bullet import Bullet
 from hal.sim.bumps import Bumps
@@ -21,6 +22,7 @@ from worlds import figures
 from worlds.loader import read_world
 from worlds.motion import pose_at
 from worlds.solids import bounds_of
+from worlds.terrain import height_at
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Motion, Part, Shape, Sphere, Terrain, Thing
 
 GRAY = (128, 128, 128)
@@ -175,6 +177,21 @@ def test_hills_are_ground(physics: Bullet) -> None:
     body = drone(physics, (5, -5, 3.3))
     run(physics, 0.3)
     assert body.supported()
+
+
+def test_hills_are_as_high_in_physics_pictures_and_for_what_stands_on_them(
+    physics: Bullet,
+) -> None:
+    draw = Random(5)
+    inner = range(1, 5)
+    rows = [[draw.uniform(0, 4) if {i, j} <= {*inner} else 0.0 for j in range(6)] for i in range(6)]
+    terrain = Terrain(tuple(map(tuple, rows)), 20.0)
+    physics.add_things([], terrain)
+    relief = relief_of(terrain, GRAY)
+    middles = [relief.vertices[list(face.corners)].mean(0) for face in relief.faces]
+    for x, y, z in middles:
+        (echo,) = physics.rays([(x, y, 9)], [(x, y, -1)]).distances
+        assert (height_at(terrain, x, y), 9 - echo) == pytest.approx((z, z), abs=1e-5)
 
 
 # What moves.
