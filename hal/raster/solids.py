@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 CYLINDER_SIDES = 24
 OUTLINE = 48
 """Corners of the outline that a sphere is drawn as."""
+_SUNKEN_RINGS = 16
+"""Of a ball that the ground cuts."""
 _FLAT = 1e-7
 
 
@@ -142,6 +144,23 @@ def _mesh(shape: Mesh, color: Color) -> Solid:
     return Solid(vertices, tuple(Face(corner, color) for corner in corners), convex)
 
 
+def ball(radius: float, rings: int) -> Mesh:
+    """A sphere as triangles between circles of latitude, each with twice as many corners."""
+    around = 2 * rings
+    south, east = np.meshgrid(
+        np.linspace(0, pi, rings + 1),
+        np.linspace(0, 2 * pi, around, endpoint=False),
+        indexing="ij",
+    )
+    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
+    ring, slice_ = np.divmod(np.arange(rings * around), around)
+    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
+    # At the poles one of the two has no area.
+    lower = np.stack([a, a + around, b + around], 1)[:-around]
+    upper = np.stack([a, b + around, b], 1)[around:]
+    return Mesh(radius * at.reshape(-1, 3), np.concatenate([lower, upper]).astype(np.int32))
+
+
 def relief_of(terrain: Terrain, color: Color) -> Solid:
     """The surface of a height field, two triangles to a cell as :func:`height_at` has them."""
     heights = np.array(terrain.heights, float)
@@ -162,13 +181,17 @@ def relief_of(terrain: Terrain, color: Color) -> Solid:
 
 
 def above(solid: Solid, level: float) -> Solid | None:
-    """What of a convex solid stands out of the ground; None for nothing.
+    """What of a solid stands out of the ground; None for nothing.
 
     The face that the cut leaves is not made: nobody above the ground can see it.
     """
     heights = solid.vertices[:, 2] - level
     if solid.sphere:
-        return solid if heights[0] > -solid.sphere else None
+        if abs(heights[0]) >= solid.sphere - _FLAT:
+            return solid if heights[0] > 0 else None
+        # The disc that a whole ball is drawn as would show what is below the ground.
+        whole = _mesh(ball(solid.sphere, _SUNKEN_RINGS), solid.faces[0].color)
+        return above(Solid(whole.vertices + solid.vertices, whole.faces), level)
     if heights.min() >= -_FLAT:
         return solid
     if heights.max() <= _FLAT:

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.solids import Solid, relief_of, rotation, solid_of
+from hal.raster.solids import Solid, ball, relief_of, rotation, solid_of
 from hal.raster.textures import picture_of
 from hal.raster.tiles import FINEST, SIDE, Tiles
 from hal.rendering import Pose
@@ -26,7 +26,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Quaternion
 from worlds.model import World
 from worlds.motion import pose_at
-from worlds.things import Color, Mesh, Part, Sphere, Texture, Thing
+from worlds.things import Color, Part, Sphere, Texture, Thing
 
 Pixels = NDArray[np.uint8]
 
@@ -139,7 +139,7 @@ class BulletView:
         # All as meshes: pybullet's own balls are coarse, and OpenGL's boxes lose their corners.
         p, shape = self._p, part.shape
         if isinstance(shape, Sphere):
-            shape = _ball(shape.radius)
+            shape = ball(shape.radius, 24)
         upright = Part(
             shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture
         )
@@ -313,23 +313,6 @@ _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _CORNERS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
 """Of a texture, as _AROUND goes; v counts down."""
 _AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
-
-
-def _ball(radius: float) -> Mesh:
-    """A sphere by degrees of latitude and longitude."""
-    rings, around = 24, 48
-    south, east = np.meshgrid(
-        np.linspace(0, np.pi, rings + 1),
-        np.linspace(0, 2 * np.pi, around, endpoint=False),
-        indexing="ij",
-    )
-    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
-    ring, slice_ = np.divmod(np.arange(rings * around), around)
-    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
-    faces = np.concatenate(
-        [np.stack([a, a + around, b + around], 1), np.stack([a, b + around, b], 1)]
-    )
-    return Mesh(radius * at.reshape(-1, 3), faces.astype(np.int32))
 
 
 def _rgba(color: Color) -> list[float]:

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hal.raster import Raster
-from hal.raster.solids import rotation
+from hal.raster.solids import ball, rotation
 from hal.rendering import Pose
 from hal.sim.bullet_view import TinyView
 from hal.vehicle import Intrinsics
@@ -30,7 +30,18 @@ from tests.hal.scenes import (
 from vencejo.errors import UserError
 from vencejo.geometry import Point, product, yaw_quaternion
 from worlds.model import Ground, Light, World
-from worlds.things import Cuboid, Fiducial, Image, Motion, Plate, Terrain, Thing
+from worlds.things import (
+    Cuboid,
+    Fiducial,
+    Image,
+    Mesh,
+    Motion,
+    Plate,
+    Shape,
+    Sphere,
+    Terrain,
+    Thing,
+)
 
 Floats = NDArray[np.float64]
 
@@ -252,6 +263,29 @@ def test_plates_are_seen_from_above_only() -> None:
     red = [0, 0, 250]
     assert picture(world, look((0, 0, 4), (0, 0, 0)))[120, 160].tolist() == red
     assert picture(world, look((0, 0, 0.5), (0, 0, 4)))[120, 160].tolist() == list(SKY)
+
+
+def _two_balls() -> Mesh:
+    one = ball(1.0, 16)
+    vertices = np.concatenate([one.vertices, one.vertices + [0.0, 2.5, 0.0]])
+    return Mesh(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
+
+
+@pytest.mark.parametrize("shape", [Sphere(1.0), _two_balls()])
+def test_of_what_the_ground_cuts_the_upper_part_is_seen(shape: Shape) -> None:
+    pose = look((-6.0, 0.0, 3.0), (6.0, 0.0, 0.0))
+    for height in (1.0, 0.2, -0.5, -0.9, -1.2):
+        world = world_of(thing_of("ball", shape, (6.0, 0.0, height)))
+        raster, reference = Raster(world, {}), TinyView(world, {})
+        try:
+            image = raster.render(pose, LENS, 0.0, {})
+            _, bodies = reference.look(pose, LENS, 0.0, {})
+            (body,) = reference.names
+        finally:
+            reference.close()
+        mine, others = (image == (30, 30, 200)).all(2), bodies == body
+        assert (mine & others).sum() >= 0.94 * (mine | others).sum()
+        assert mine.any() == (height > -1)
 
 
 def test_moving_things_and_vehicles_are_where_they_are() -> None:
