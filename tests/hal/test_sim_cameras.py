@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tracemalloc
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from hal.raster.solids import rotation
 from hal.sim import CameraSpec, SimSession, open_session
 from hal.sim.bullet import Bullet
 from hal.sim.looks import color_of
+from hal.sim.optics import Optics
 from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
@@ -208,6 +210,17 @@ def test_settings_that_cannot_be_are_told(given: dict[str, object], message: str
     with pytest.raises(UserError) as error:
         open_session(Options(settings=given))
     assert message in str(error.value)
+
+
+def test_a_lens_takes_no_more_memory_than_some_pictures() -> None:
+    lens = CameraSpec(width=800, height=600, distortion=(-0.1, 0.01, 0, 0, 0), noise=2.0)
+    tracemalloc.start()
+    try:
+        Optics(lens, 0, ("test",))
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 100 * 800 * 600
 
 
 def test_a_distortion_that_bends_too_far_is_told() -> None:
