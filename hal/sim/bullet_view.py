@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib.util import find_spec
-from math import ceil, log2
+from math import ceil, hypot, log2
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -34,6 +34,8 @@ FAR = 1000.0
 """Depth up to which things are seen, metres."""
 _GROUND_TEXELS = 2048
 """Along the picture that the whole coloured ground is painted on."""
+_NEAR_AT_MOST = 5.0
+"""Metres: beyond this nothing is gained."""
 _BENEATH = -0.02
 """Height of the plain ground outside the coloured square, metres."""
 
@@ -44,7 +46,7 @@ class BulletView:
     shift = 0.0
     """How far right and down of a pixel's centre this renderer looks, pixels."""
     near = 0.05
-    """Depth from which on things are seen, metres; with less, what lies close together flickers."""
+    """Depth from which on things are seen at least, metres."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError for a texture that is none."""
@@ -59,6 +61,9 @@ class BulletView:
         self.names: dict[int, str] = {}
         """Things by the bodies that show them."""
         self._bodies: dict[str, list[tuple[int, Part]]] = {}
+        self._balls: dict[str, tuple[NDArray[np.float64], float]] = {}
+        """Middles and radii of balls about things, in their own frames."""
+        self._poses: dict[str, Pose] = {}
         self._moving = [thing for thing in world.things if thing.motion]
         try:
             self._add_ground()
@@ -68,6 +73,7 @@ class BulletView:
             looks = {f" {name}": thing for name, thing in vehicles.items()}
             for name, thing in ({each.name: each for each in world.things} | looks).items():
                 self._bodies[name] = [(self._show(part), part) for part in thing.parts]
+                self._balls[name] = _ball_about(thing)
                 self.names |= {body: name for body, _ in self._bodies[name]}
                 self._place(name, (thing.at, thing.attitude))
         except BaseException:
@@ -93,7 +99,7 @@ class BulletView:
             self._place(thing.name, pose_at(thing, moment))
         for name in self._vehicles:
             self._place(f" {name}", vehicles.get(name, _AWAY))
-        view, projection = matrices(pose, intrinsics, self.shift, self.near)
+        view, projection = matrices(pose, intrinsics, self.shift, self._nearest(pose, intrinsics))
         _, _, colors, _, bodies = p.getCameraImage(
             intrinsics.width,
             intrinsics.height,
@@ -115,6 +121,10 @@ class BulletView:
         image[seen < 0] = light.sky[::-1]
         return image, seen
 
+    def _nearest(self, pose: Pose, lens: Intrinsics) -> float:
+        """The depth from which on things are seen."""
+        return self.near
+
     def _renderer(self) -> int:
         return int(self._p.ER_TINY_RENDERER)
 
@@ -128,6 +138,7 @@ class BulletView:
 
     def _place(self, name: str, pose: Pose) -> None:
         p = self._p
+        self._poses[name] = pose
         for body, part in self._bodies[name]:
             at, attitude = p.multiplyTransforms(*pose, part.at, part.attitude)
             p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
@@ -261,6 +272,21 @@ class EglView(BulletView):
         self._plugin = plugin
         return client
 
+    def _nearest(self, pose: Pose, lens: Intrinsics) -> float:
+        # As far out as nothing is cut off: the finer are the depths that OpenGL can tell apart.
+        # With the least one, windows sink into their walls and markers into the ground.
+        eye = np.array(pose[0])
+        gaps = [abs(pose[0].z) + _BENEATH]
+        if self._world.ground.terrain:
+            gaps = [pose[0].z - max(map(max, self._world.ground.terrain.heights))]
+        for name, (middle, radius) in self._balls.items():
+            at, attitude = self._poses[name]
+            gaps.append(float(np.linalg.norm(rotation(attitude) @ middle + at - eye)) - radius)
+        # In a corner of the picture depth is the least share of the distance.
+        across = max(lens.cx + 1, lens.width - lens.cx) / lens.fx
+        down = max(lens.cy + 1, lens.height - lens.cy) / lens.fy
+        return min(max(self.near, min(gaps) / hypot(1, across, down)), _NEAR_AT_MOST)
+
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
 
@@ -313,6 +339,17 @@ _AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _CORNERS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
 """Of a texture, as _AROUND goes; v counts down."""
 _AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def _ball_about(thing: Thing) -> tuple[NDArray[np.float64], float]:
+    solids = [solid_of(part) for part in thing.parts]
+    corners = np.concatenate([solid.vertices for solid in solids] or [np.zeros((1, 3))])
+    middle = (corners.min(0) + corners.max(0)) / 2
+    reaches = [
+        float(np.linalg.norm(solid.vertices - middle, axis=1).max()) + solid.sphere
+        for solid in solids
+    ]
+    return middle, max(reaches, default=0.0)
 
 
 def _rgba(color: Color) -> list[float]:

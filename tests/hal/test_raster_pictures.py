@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hal.raster import Raster
 from hal.raster.solids import ball, rotation
 from hal.rendering import Pose
-from hal.sim.bullet_view import TinyView
+from hal.sim.bullet_view import EglView, TinyView
 from hal.vehicle import Intrinsics
 from tests.hal.scenes import (
     GREEN,
@@ -29,6 +29,7 @@ from tests.hal.scenes import (
 )
 from vencejo.errors import UserError
 from vencejo.geometry import Point, product, yaw_quaternion
+from worlds import figures
 from worlds.model import Ground, Light, World
 from worlds.things import (
     Cuboid,
@@ -331,6 +332,30 @@ def test_hills_hide_what_is_behind_them_and_bury_what_is_in_them() -> None:
     image = picture(world_of(behind, inside, on_top, ground=ground), look((-9, 0, 2), (0, 0, 2)))
     assert not (image == (30, 30, 200)).all(2).any()
     assert (image == (250, 0, 0)).all(2).sum() > 200
+
+
+def test_opengl_shows_what_lies_close_to_other_things() -> None:
+    """Windows lie 1 cm before their walls, markers 1 cm above the ground."""
+    pane = thing_of("pane", Plate(1.0, 1.0), (29.99, 0.0, 2.0), figures.standing(pi), (0, 0, 200))
+    mat = thing_of("mat", Plate(2.0, 2.0), (20.0, -5.0, 0.01), color=(255, 255, 255))
+    wall = thing_of("wall", Cuboid(Point(1.0, 8.0, 4.0)), (30.5, 0.0, 2.0))
+    world = world_of(pane, mat, wall)
+    try:
+        opengl = EglView(world, {})
+    except UserError as error:
+        pytest.skip(str(error))
+    raster = Raster(world, {})
+    try:
+        for height in (2.0, 4.0, 9.0):
+            pose = look((0.0, 0.0, height), (20.0, 0.0, 1.0))
+            image = raster.render(pose, LENS, 0.0, {})
+            _, bodies = opengl.look(pose, LENS, 0.0, {})
+            names = {name: body for body, name in opengl.names.items()}
+            for name, color in (("pane", (200, 0, 0)), ("mat", (255, 255, 255))):
+                mine, others = (image == color).all(2), bodies == names[name]
+                assert (mine & others).sum() > 0.8 * (mine | others).sum() > 0
+    finally:
+        opengl.close()
 
 
 def test_equal_arguments_give_equal_pictures() -> None:
