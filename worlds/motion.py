@@ -44,7 +44,7 @@ def _carried(track: Track, time: float) -> tuple[Point, float]:
 
 
 def velocity_at(thing: Thing, time: float) -> tuple[Point, float]:
-    """How a thing moves on its path: its velocity, m/s, and its turn rate about the vertical, rad/s."""
+    """How a thing moves on its path: velocity, m/s, and turn rate about the vertical, rad/s."""
     if thing.motion is None:
         return Point(0.0, 0.0, 0.0), 0.0
     _, _, velocity, rate = track_of(thing.motion).at(time)

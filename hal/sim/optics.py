@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from statistics import NormalDist
+from typing import Any
 
 import cv2
 import numpy as np
@@ -99,7 +100,7 @@ def _behind(lens: Intrinsics) -> tuple[Intrinsics, tuple[Floats, Floats]]:
 
 
 def _bent(
-    rays: NDArray[np.float64], matrix: NDArray[np.float64], distortion: tuple[float, ...]
+    rays: NDArray[Any], matrix: NDArray[np.float64], distortion: tuple[float, ...]
 ) -> NDArray[np.float64]:
     """Where a distorted camera sees rays (n, 2), pixels."""
     # It makes 15 derivatives for each: of a whole picture at once they fill gigabytes.

@@ -65,7 +65,10 @@ def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
         (("worlds", "yard", "--render", "x.nothing"), "cannot be written"),
         (("worlds", "--render", "x.png"), "which world?"),
         (("worlds", "yard", "--render", "x.png", "--at", "1,2"), "'1,2' is not x,y,z"),
-        (("worlds", "yard", "--render", "x.png", "--camera", "top", "--at", "1,2,3"), "--camera down"),
+        (
+            ("worlds", "yard", "--render", "x.png", "--camera", "top", "--at", "1,2,3"),
+            "--camera down",
+        ),
         (("worlds", "yard", "--gui"), "there is no display"),
         (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
         (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),

@@ -268,7 +268,7 @@ def test_plates_are_seen_from_above_only() -> None:
 
 def _two_balls() -> Mesh:
     one = ball(1.0, 16)
-    vertices = np.concatenate([one.vertices, one.vertices + [0.0, 2.5, 0.0]])
+    vertices = np.concatenate([one.vertices, one.vertices + np.array([0.0, 2.5, 0.0])])
     return Mesh(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
 
 
