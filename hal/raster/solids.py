@@ -14,6 +14,7 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from hal.raster.textures import Painted
 from vencejo.geometry import Quaternion
 from worlds.things import Color, Cuboid, Cylinder, Mesh, Part, Plate, Sphere, Terrain, Texture
 
@@ -34,9 +35,10 @@ class Face:
     corners: tuple[int, ...]
     """Indices of the solid's vertices."""
     color: Color
-    texture: Texture | None = None
+    texture: Texture | Painted | None = None
     frame: Array | None = None
-    """Of a textured face: upper left corner, vector along the upper edge and down the left one."""
+    """Of a textured face: the texture's upper left corner, the vector along its upper edge and the
+    one down its left edge, all in the face's plane."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,8 +163,11 @@ def ball(radius: float, rings: int) -> Mesh:
     return Mesh(radius * at.reshape(-1, 3), np.concatenate([lower, upper]).astype(np.int32))
 
 
-def relief_of(terrain: Terrain, color: Color) -> Solid:
-    """The surface of a height field, two triangles to a cell as :func:`height_at` has them."""
+def relief_of(terrain: Terrain, color: Color, texture: Painted | None = None) -> Solid:
+    """The surface of a height field, two triangles to a cell as :func:`height_at` has them.
+
+    ``texture`` lies over all of it, north up.
+    """
     heights = np.array(terrain.heights, float)
     rows, columns = heights.shape
     half = terrain.size / 2
@@ -173,11 +178,21 @@ def relief_of(terrain: Terrain, color: Color) -> Solid:
     row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     corner = (row * columns + column).ravel().tolist()
     faces = [
-        Face(face, color)
+        Face(face, color, texture, None if texture is None else _frame_over(vertices, face, half))
         for a in corner
         for face in ((a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns))
     ]
     return Solid(vertices, tuple(faces), convex=False)
+
+
+def _frame_over(vertices: Array, triangle: tuple[int, ...], half: float) -> Array:
+    """The frame, in the plane of a triangle, of a texture on the square above and below it."""
+    a, b, c = vertices[list(triangle)]
+    x, y, z = np.cross(b - a, c - a)
+    east, north = -x / z, -y / z
+    corner = np.array([-half, half, a[2] + east * (-half - a[0]) + north * (half - a[1])])
+    side = 2 * half
+    return np.stack([corner, [side, 0.0, side * east], [0.0, -side, -side * north]])
 
 
 def above(solid: Solid, level: float) -> Solid | None:

@@ -16,8 +16,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from hal.raster.drape import drape
 from hal.raster.solids import Solid, ball, relief_of, rotation, solid_of
-from hal.raster.textures import picture_of
+from hal.raster.textures import Painted, picture_of
 from hal.raster.tiles import FINEST, SIDE, Tiles
 from hal.rendering import Pose
 from hal.sim.bullet import load_pybullet, shut
@@ -26,7 +27,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Quaternion
 from worlds.model import World
 from worlds.motion import pose_at
-from worlds.things import Color, Part, Sphere, Texture, Thing
+from worlds.things import Color, Part, Sphere, Terrain, Texture, Thing
 
 Pixels = NDArray[np.uint8]
 
@@ -57,7 +58,7 @@ class BulletView:
         self._client: int = self._connect()
         self._files = TemporaryDirectory(prefix="vencejo-")
         self._count = 0
-        self._textures: dict[Texture, int] = {}
+        self._textures: dict[Texture | Painted, int] = {}
         self.names: dict[int, str] = {}
         """Things by the bodies that show them."""
         self._bodies: dict[str, list[tuple[int, Part]]] = {}
@@ -66,9 +67,10 @@ class BulletView:
         self._poses: dict[str, Pose] = {}
         self._moving = [thing for thing in world.things if thing.motion]
         try:
-            self._add_ground()
+            tiles = Tiles(world.ground)
+            self._add_ground(tiles)
             if world.ground.terrain:
-                self._mesh(relief_of(world.ground.terrain, world.ground.color), world.ground.color)
+                self._add_hills(tiles, world.ground.terrain)
             # A space keeps the names of vehicles apart from those of things.
             looks = {f" {name}": thing for name, thing in vehicles.items()}
             for name, thing in ({each.name: each for each in world.things} | looks).items():
@@ -148,7 +150,7 @@ class BulletView:
 
     def _show(self, part: Part) -> int:
         # All as meshes: pybullet's own balls are coarse, and OpenGL's boxes lose their corners.
-        p, shape = self._p, part.shape
+        shape = part.shape
         if isinstance(shape, Sphere):
             shape = ball(shape.radius, 24)
         upright = Part(
@@ -156,14 +158,17 @@ class BulletView:
         )
         body = self._mesh(solid_of(upright), part.color)
         if part.texture is not None:
-            p.changeVisualShape(
-                body,
-                -1,
-                rgbaColor=[1, 1, 1, 1],
-                textureUniqueId=self._texture(part.texture),
-                physicsClientId=self._client,
-            )
+            self._wrap(body, part.texture)
         return body
+
+    def _wrap(self, body: int, texture: Texture | Painted) -> None:
+        self._p.changeVisualShape(
+            body,
+            -1,
+            rgbaColor=[1, 1, 1, 1],
+            textureUniqueId=self._texture(texture),
+            physicsClientId=self._client,
+        )
 
     def _mesh(self, solid: Solid, color: Color) -> int:
         p = self._p
@@ -172,10 +177,11 @@ class BulletView:
         indices: list[int] = []
         for face in solid.faces:
             base = len(vertices)
-            corners = solid.vertices[list(face.corners)].tolist()
-            vertices.extend(corners)
-            # Textured faces have four corners, the lower left first.
-            uvs.extend(_CORNERS if len(corners) == 4 else [[0, 0]] * 3)
+            corners = solid.vertices[list(face.corners)]
+            vertices.extend(corners.tolist())
+            across = np.zeros((3, 2)) if face.frame is None else np.linalg.pinv(face.frame[1:])
+            corner = corners[0] if face.frame is None else face.frame[0]
+            uvs.extend(((corners - corner) @ across).tolist())
             for k in range(1, len(corners) - 1):
                 indices.extend((base, base + k, base + k + 1))
         return self._body(
@@ -205,7 +211,7 @@ class BulletView:
         self._count += 1
         return Path(self._files.name) / f"{self._count}.{kind}"
 
-    def _texture(self, texture: Texture) -> int:
+    def _texture(self, texture: Texture | Painted) -> int:
         if texture not in self._textures:
             self._textures[texture] = self._load(picture_of(texture).level(0.0))
         return self._textures[texture]
@@ -215,9 +221,16 @@ class BulletView:
         cv2.imwrite(str(path), pixels[..., :3])
         return int(self._p.loadTexture(str(path), physicsClientId=self._client))
 
-    def _add_ground(self) -> None:
+    def _add_hills(self, tiles: Tiles, terrain: Terrain) -> None:
+        painted, color = drape(tiles, terrain.size), self._world.ground.color
+        relief = relief_of(terrain, color, painted)
+        # What is flat would flicker with the ground in the same place.
+        risen = [face for face in relief.faces if relief.vertices[list(face.corners), 2].any()]
+        if risen:
+            self._wrap(self._mesh(Solid(relief.vertices, tuple(risen), False), color), painted)
+
+    def _add_ground(self, tiles: Tiles) -> None:
         p, ground = self._p, self._world.ground
-        tiles = Tiles(ground)
         level = max(0, ceil(log2(ground.size / _GROUND_TEXELS / FINEST)))
         reach = ceil(ground.size / 2 / (FINEST * 2**level * SIDE))
         rows = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
 from random import Random
@@ -18,6 +19,7 @@ from hal.sim.bullet_view import EglView, TinyView
 from hal.vehicle import Intrinsics
 from tests.hal.scenes import (
     GREEN,
+    ROAD,
     lens,
     look,
     marker,
@@ -356,6 +358,29 @@ def test_opengl_shows_what_lies_close_to_other_things() -> None:
                 assert (mine & others).sum() > 0.8 * (mine | others).sum() > 0
     finally:
         opengl.close()
+
+
+@pytest.mark.parametrize("renderer", [Raster, TinyView])
+def test_roads_lead_over_hills(renderer: type[Raster | TinyView]) -> None:
+    """Seen from above, what is painted is where it would be without hills."""
+    heights = tuple(
+        tuple(2.0 if 0 < row < 4 and 0 < column < 4 else 0.0 for column in range(5))
+        for row in range(5)
+    )
+    high = replace(ROAD, terrain=Terrain(heights, 40.0))
+    pose = look((0.0, 0.0, 202.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    camera = lens(320, 240, 8)
+    shown = []
+    for ground, at in ((high, pose), (ROAD, (pose[0].minus(Point(0.0, 0.0, 2.0)), pose[1]))):
+        world = world_of(ground=ground)
+        drawn = renderer(world, {})
+        try:
+            image = drawn.render(at, camera, 0.0, {}).astype(int)
+        finally:
+            drawn.close()
+        shown.append((image.max(2) - image.min(2))[60:180, 80:240] < 30)
+    on_hills, flat = shown
+    assert (on_hills & flat).sum() > 0.9 * (on_hills | flat).sum() > 900
 
 
 def test_equal_arguments_give_equal_pictures() -> None:
