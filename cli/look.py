@@ -9,7 +9,8 @@ from hal.rendering import Pose, open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point, Quaternion, about_y, product, turned, yaw_quaternion
-from worlds import World
+from worlds import Thing, World
+from worlds.solids import bounds_of, part_pose
 
 VIEWS = ("front", "down", "top")
 """Level and ahead from a place, straight down from it, or all of the world from above."""
@@ -37,6 +38,12 @@ def render(
     """
     import cv2
 
+    if camera == "top" and at:
+        raise UserError(
+            "two-places",
+            "--camera top shows all of the world and has its own place",
+            hint="take --camera down to look straight down from --at",
+        )
     opened = open_renderer(renderer, world, {})
     try:
         image = opened.render(view(world, camera, at), LENS, 0.0, {})
@@ -76,9 +83,22 @@ def _aimed(heading: float, tilt: float) -> Quaternion:
 
 
 def _extent(world: World) -> tuple[Point, float]:
-    """The middle of what stands in a world, on the ground, and how far it reaches from there."""
-    places = [thing.at for thing in world.things] + [start.at for start in world.starts]
-    east, north = [place.x for place in places], [place.y for place in places]
+    """The middle of what is in a world, on the ground, and how far it reaches from there."""
+    places = [*world.places.values(), *(start.at for start in world.starts)]
+    for thing in world.things:
+        places += thing.motion.points if thing.motion else _corners(thing)
+    spots = [place[:2] for place in places]
+    spots += [spot for stripe in world.ground.stripes for spot in stripe.points]
+    east, north = [spot[0] for spot in spots], [spot[1] for spot in spots]
     middle = Point((min(east) + max(east)) / 2, (min(north) + max(north)) / 2, 0.0)
     reach = max((max(east) - min(east)) / 2, (max(north) - min(north)) / 2)
     return middle, max(reach, _SMALLEST)
+
+
+def _corners(thing: Thing) -> list[Point]:
+    """Of the boxes about the parts of a thing that stands still."""
+    return [
+        corner
+        for part in thing.parts
+        for corner in bounds_of(part.shape, *part_pose(part, thing.at, thing.attitude))
+    ]

@@ -92,7 +92,10 @@ _CAMERA = re.compile(r"([a-z_]\w*)(?::(\d+)x(\d+))?(?:@(\d+(?:\.\d+)?))?")
 def cameras(
     ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
 ) -> dict[str, dict[str, int | float] | None]:
-    """``name:640x480@30`` of a repeated option: resolution and rate by camera, or ``name:off``."""
+    """``name:640x480@30`` of a repeated option: resolution and rate by camera, or ``name:off``.
+
+    Of a camera named twice the later counts, where they differ.
+    """
     found: dict[str, dict[str, int | float] | None] = {}
     for value in values:
         if value.endswith(":off"):
@@ -111,7 +114,7 @@ def cameras(
             settings |= {"width": int(width), "height": int(height)}
         if rate:
             settings["rate"] = float(rate)
-        found[name] = settings
+        found[name] = (found.get(name) or {}) | settings
     return found
 
 

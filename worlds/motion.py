@@ -6,11 +6,13 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from math import dist
+from math import dist, floor
 
 from vencejo.geometry import Point, Quaternion, bearing, product, wrap, yaw_quaternion
 from worlds.things import Motion, Thing
 
+STRETCH = 0.025
+"""Seconds that a thing moves straight on (a mission period): at their ends it is on its path."""
 _TURN = 0.5
 """Seconds before and after a corner in which a thing turns, as far as its legs are long enough."""
 
@@ -22,14 +24,27 @@ def pose_at(thing: Thing, time: float) -> tuple[Point, Quaternion]:
     """
     if thing.motion is None:
         return thing.at, thing.attitude
-    place, heading, _, _ = track_of(thing.motion).at(time)
+    place, heading = _carried(track_of(thing.motion), time)
     if not thing.motion.turns:
         return place, thing.attitude
     return place, product(yaw_quaternion(heading), thing.attitude)
 
 
+def _carried(track: Track, time: float) -> tuple[Point, float]:
+    """Place and heading: physics and pictures have to agree also between the ends of stretches."""
+    number = floor(time / STRETCH + 1e-6)
+    share = time / STRETCH - number
+    if abs(share) < 1e-6:
+        return track.at(time)[:2]
+    place, heading, _, _ = track.at(number * STRETCH)
+    end, final, _, _ = track.at((number + 1) * STRETCH)
+    way = end.minus(place)
+    place = place.plus((way.x * share, way.y * share, way.z * share))
+    return place, wrap(heading + wrap(final - heading) * share)
+
+
 def velocity_at(thing: Thing, time: float) -> tuple[Point, float]:
-    """How a thing moves: its velocity, m/s, and its turn rate about the vertical, rad/s."""
+    """How a thing moves on its path: velocity, m/s, and turn rate about the vertical, rad/s."""
     if thing.motion is None:
         return Point(0.0, 0.0, 0.0), 0.0
     _, _, velocity, rate = track_of(thing.motion).at(time)

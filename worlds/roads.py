@@ -138,6 +138,14 @@ def _pieces(road: Draft) -> list[tuple[XY, ...]]:
 def crossing_of(line: Sequence[XY]) -> XY | None:
     """A place where a polyline meets itself, beside its ends meeting."""
     legs = list(pairwise(line))
+    corners = zip(legs, legs[1:] + legs[:1] if line[0] == line[-1] else legs[1:], strict=False)
+    for (a, b), (_, c) in corners:
+        # Legs that follow each other meet in their corner alone, but for those that turn back.
+        if (
+            _side(a, b, c) == 0
+            and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0
+        ):
+            return b
     side = max(dist(a, b) for a, b in legs)
     # Legs that meet begin less than two sides apart: in cells that are next but one at most.
     cells: dict[tuple[int, int], list[int]] = {}

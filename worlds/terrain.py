@@ -7,7 +7,11 @@ from worlds.values import COORDINATE, SIZE, Field, Misfit, array, record
 
 
 def height_at(terrain: Terrain | None, x: float, y: float) -> float:
-    """World height of the ground, metres: between four given heights, as a twisted plane."""
+    """World height of the ground, metres.
+
+    Between four given heights it is two triangles, which meet from the south-east to the
+    north-west: so they are in Bullet, and in pictures.
+    """
     if terrain is None:
         return 0.0
     rows, last = terrain.heights, len(terrain.heights) - 1
@@ -16,9 +20,11 @@ def height_at(terrain: Terrain | None, x: float, y: float) -> float:
         return rows[0][0]
     i, j = min(int(row), last - 1), min(int(column), last - 1)
     up, right = row - i, column - j
-    south = rows[i][j] + (rows[i][j + 1] - rows[i][j]) * right
-    north = rows[i + 1][j] + (rows[i + 1][j + 1] - rows[i + 1][j]) * right
-    return south + (north - south) * up
+    (south_west, south_east), (north_west, north_east) = rows[i][j : j + 2], rows[i + 1][j : j + 2]
+    if up + right <= 1:
+        return south_west + (south_east - south_west) * right + (north_west - south_west) * up
+    down, left = 1 - up, 1 - right
+    return north_east + (north_west - north_east) * left + (south_east - north_east) * down
 
 
 def _terrain(heights: tuple[tuple[float, ...], ...], size: float) -> Terrain:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hal.raster.depth import draw_knot
+from hal.raster.drape import drape
 from hal.raster.ground import Band, GroundPainter, GroundView
 from hal.raster.order import paint_order
 from hal.raster.scene import Pose, Scene
@@ -82,9 +83,10 @@ class Raster:
         # A space keeps the names of vehicles apart from those of things.
         looks = {f" {name}": thing for name, thing in vehicles.items()}
         terrain, color = world.ground.terrain, world.ground.color
-        relief = relief_of(terrain, color) if terrain else None
-        self._scene = Scene(still, {**moving, **looks}, relief)
         self._tiles = Tiles(world.ground)
+        painted = drape(self._tiles, terrain.size) if terrain else None
+        relief = relief_of(terrain, color, painted) if terrain else None
+        self._scene = Scene(still, {**moving, **looks}, relief)
         self._ground = GroundPainter(self._tiles)
         self._light = world.light
         sun = np.array(world.light.sun, float)

@@ -52,7 +52,7 @@ class Scene:
             turn, at = rotation(thing.attitude), np.array(thing.at)
             for part in thing.parts:
                 solid = placed(solid_of(part), turn, at)
-                seen = above(solid, 0.0) if solid.convex and relief is None else solid
+                seen = above(solid, 0.0) if relief is None else solid
                 if seen is not None:
                     self._add(seen, -1)
         if relief is not None:

@@ -14,6 +14,7 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from hal.raster.textures import Painted
 from vencejo.geometry import Quaternion
 from worlds.things import Color, Cuboid, Cylinder, Mesh, Part, Plate, Sphere, Terrain, Texture
 
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 CYLINDER_SIDES = 24
 OUTLINE = 48
 """Corners of the outline that a sphere is drawn as."""
+_SUNKEN_RINGS = 16
+"""Of a ball that the ground cuts."""
 _FLAT = 1e-7
 
 
@@ -32,9 +35,10 @@ class Face:
     corners: tuple[int, ...]
     """Indices of the solid's vertices."""
     color: Color
-    texture: Texture | None = None
+    texture: Texture | Painted | None = None
     frame: Array | None = None
-    """Of a textured face: upper left corner, vector along the upper edge and down the left one."""
+    """Of a textured face: the texture's upper left corner, the vector along its upper edge and the
+    one down its left edge, all in the face's plane."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,8 +146,28 @@ def _mesh(shape: Mesh, color: Color) -> Solid:
     return Solid(vertices, tuple(Face(corner, color) for corner in corners), convex)
 
 
-def relief_of(terrain: Terrain, color: Color) -> Solid:
-    """The surface of a height field, two triangles to a cell."""
+def ball(radius: float, rings: int) -> Mesh:
+    """A sphere as triangles between circles of latitude, each with twice as many corners."""
+    around = 2 * rings
+    south, east = np.meshgrid(
+        np.linspace(0, pi, rings + 1),
+        np.linspace(0, 2 * pi, around, endpoint=False),
+        indexing="ij",
+    )
+    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
+    ring, slice_ = np.divmod(np.arange(rings * around), around)
+    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
+    # At the poles one of the two has no area.
+    lower = np.stack([a, a + around, b + around], 1)[:-around]
+    upper = np.stack([a, b + around, b], 1)[around:]
+    return Mesh(radius * at.reshape(-1, 3), np.concatenate([lower, upper]).astype(np.int32))
+
+
+def relief_of(terrain: Terrain, color: Color, texture: Painted | None = None) -> Solid:
+    """The surface of a height field, two triangles to a cell as :func:`height_at` has them.
+
+    ``texture`` lies over all of it, north up.
+    """
     heights = np.array(terrain.heights, float)
     rows, columns = heights.shape
     half = terrain.size / 2
@@ -154,21 +178,35 @@ def relief_of(terrain: Terrain, color: Color) -> Solid:
     row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     corner = (row * columns + column).ravel().tolist()
     faces = [
-        Face(face, color)
+        Face(face, color, texture, None if texture is None else _frame_over(vertices, face, half))
         for a in corner
-        for face in ((a, a + 1, a + columns + 1), (a, a + columns + 1, a + columns))
+        for face in ((a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns))
     ]
     return Solid(vertices, tuple(faces), convex=False)
 
 
+def _frame_over(vertices: Array, triangle: tuple[int, ...], half: float) -> Array:
+    """The frame, in the plane of a triangle, of a texture on the square above and below it."""
+    a, b, c = vertices[list(triangle)]
+    x, y, z = np.cross(b - a, c - a)
+    east, north = -x / z, -y / z
+    corner = np.array([-half, half, a[2] + east * (-half - a[0]) + north * (half - a[1])])
+    side = 2 * half
+    return np.stack([corner, [side, 0.0, side * east], [0.0, -side, -side * north]])
+
+
 def above(solid: Solid, level: float) -> Solid | None:
-    """What of a convex solid stands out of the ground; None for nothing.
+    """What of a solid stands out of the ground; None for nothing.
 
     The face that the cut leaves is not made: nobody above the ground can see it.
     """
     heights = solid.vertices[:, 2] - level
     if solid.sphere:
-        return solid if heights[0] > -solid.sphere else None
+        if abs(heights[0]) >= solid.sphere - _FLAT:
+            return solid if heights[0] > 0 else None
+        # The disc that a whole ball is drawn as would show what is below the ground.
+        whole = _mesh(ball(solid.sphere, _SUNKEN_RINGS), solid.faces[0].color)
+        return above(Solid(whole.vertices + solid.vertices, whole.faces), level)
     if heights.min() >= -_FLAT:
         return solid
     if heights.max() <= _FLAT:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from math import log2
 from pathlib import Path
@@ -40,9 +41,18 @@ class Picture:
         return self._levels[wanted]
 
 
+@dataclass(frozen=True, eq=False)
+class Painted:
+    """A texture whose BGRA pixels are known already."""
+
+    pixels: Pixels
+
+
 @lru_cache(maxsize=256)
-def picture_of(texture: Texture) -> Picture:
+def picture_of(texture: Texture | Painted) -> Picture:
     """The picture of a texture. Raises UserError for a file or a marker that is none."""
+    if isinstance(texture, Painted):
+        return Picture(texture.pixels)
     if isinstance(texture, Image):
         return load_picture(texture.path)
     if isinstance(texture, Fiducial):

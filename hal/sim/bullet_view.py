@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib.util import find_spec
-from math import ceil, log2
+from math import ceil, hypot, log2
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -16,8 +16,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.solids import Solid, relief_of, rotation, solid_of
-from hal.raster.textures import picture_of
+from hal.raster.drape import drape
+from hal.raster.solids import Solid, ball, relief_of, rotation, solid_of
+from hal.raster.textures import Painted, picture_of
 from hal.raster.tiles import FINEST, SIDE, Tiles
 from hal.rendering import Pose
 from hal.sim.bullet import load_pybullet, shut
@@ -26,7 +27,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Quaternion
 from worlds.model import World
 from worlds.motion import pose_at
-from worlds.things import Color, Mesh, Part, Sphere, Texture, Thing
+from worlds.things import Color, Part, Sphere, Terrain, Texture, Thing
 
 Pixels = NDArray[np.uint8]
 
@@ -34,6 +35,8 @@ FAR = 1000.0
 """Depth up to which things are seen, metres."""
 _GROUND_TEXELS = 2048
 """Along the picture that the whole coloured ground is painted on."""
+_NEAR_AT_MOST = 5.0
+"""Metres: beyond this nothing is gained."""
 _BENEATH = -0.02
 """Height of the plain ground outside the coloured square, metres."""
 
@@ -44,7 +47,7 @@ class BulletView:
     shift = 0.0
     """How far right and down of a pixel's centre this renderer looks, pixels."""
     near = 0.05
-    """Depth from which on things are seen, metres; with less, what lies close together flickers."""
+    """Depth from which on things are seen at least, metres."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError for a texture that is none."""
@@ -55,19 +58,24 @@ class BulletView:
         self._client: int = self._connect()
         self._files = TemporaryDirectory(prefix="vencejo-")
         self._count = 0
-        self._textures: dict[Texture, int] = {}
+        self._textures: dict[Texture | Painted, int] = {}
         self.names: dict[int, str] = {}
         """Things by the bodies that show them."""
         self._bodies: dict[str, list[tuple[int, Part]]] = {}
+        self._balls: dict[str, tuple[NDArray[np.float64], float]] = {}
+        """Middles and radii of balls about things, in their own frames."""
+        self._poses: dict[str, Pose] = {}
         self._moving = [thing for thing in world.things if thing.motion]
         try:
-            self._add_ground()
+            tiles = Tiles(world.ground)
+            self._add_ground(tiles)
             if world.ground.terrain:
-                self._mesh(relief_of(world.ground.terrain, world.ground.color), world.ground.color)
+                self._add_hills(tiles, world.ground.terrain)
             # A space keeps the names of vehicles apart from those of things.
             looks = {f" {name}": thing for name, thing in vehicles.items()}
             for name, thing in ({each.name: each for each in world.things} | looks).items():
                 self._bodies[name] = [(self._show(part), part) for part in thing.parts]
+                self._balls[name] = _ball_about(thing)
                 self.names |= {body: name for body, _ in self._bodies[name]}
                 self._place(name, (thing.at, thing.attitude))
         except BaseException:
@@ -93,7 +101,7 @@ class BulletView:
             self._place(thing.name, pose_at(thing, moment))
         for name in self._vehicles:
             self._place(f" {name}", vehicles.get(name, _AWAY))
-        view, projection = matrices(pose, intrinsics, self.shift, self.near)
+        view, projection = matrices(pose, intrinsics, self.shift, self._nearest(pose, intrinsics))
         _, _, colors, _, bodies = p.getCameraImage(
             intrinsics.width,
             intrinsics.height,
@@ -115,6 +123,10 @@ class BulletView:
         image[seen < 0] = light.sky[::-1]
         return image, seen
 
+    def _nearest(self, pose: Pose, lens: Intrinsics) -> float:
+        """The depth from which on things are seen."""
+        return self.near
+
     def _renderer(self) -> int:
         return int(self._p.ER_TINY_RENDERER)
 
@@ -128,6 +140,7 @@ class BulletView:
 
     def _place(self, name: str, pose: Pose) -> None:
         p = self._p
+        self._poses[name] = pose
         for body, part in self._bodies[name]:
             at, attitude = p.multiplyTransforms(*pose, part.at, part.attitude)
             p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
@@ -137,22 +150,25 @@ class BulletView:
 
     def _show(self, part: Part) -> int:
         # All as meshes: pybullet's own balls are coarse, and OpenGL's boxes lose their corners.
-        p, shape = self._p, part.shape
+        shape = part.shape
         if isinstance(shape, Sphere):
-            shape = _ball(shape.radius)
+            shape = ball(shape.radius, 24)
         upright = Part(
             shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture
         )
         body = self._mesh(solid_of(upright), part.color)
         if part.texture is not None:
-            p.changeVisualShape(
-                body,
-                -1,
-                rgbaColor=[1, 1, 1, 1],
-                textureUniqueId=self._texture(part.texture),
-                physicsClientId=self._client,
-            )
+            self._wrap(body, part.texture)
         return body
+
+    def _wrap(self, body: int, texture: Texture | Painted) -> None:
+        self._p.changeVisualShape(
+            body,
+            -1,
+            rgbaColor=[1, 1, 1, 1],
+            textureUniqueId=self._texture(texture),
+            physicsClientId=self._client,
+        )
 
     def _mesh(self, solid: Solid, color: Color) -> int:
         p = self._p
@@ -161,10 +177,11 @@ class BulletView:
         indices: list[int] = []
         for face in solid.faces:
             base = len(vertices)
-            corners = solid.vertices[list(face.corners)].tolist()
-            vertices.extend(corners)
-            # Textured faces have four corners, the lower left first.
-            uvs.extend(_CORNERS if len(corners) == 4 else [[0, 0]] * 3)
+            corners = solid.vertices[list(face.corners)]
+            vertices.extend(corners.tolist())
+            across = np.zeros((3, 2)) if face.frame is None else np.linalg.pinv(face.frame[1:])
+            corner = corners[0] if face.frame is None else face.frame[0]
+            uvs.extend(((corners - corner) @ across).tolist())
             for k in range(1, len(corners) - 1):
                 indices.extend((base, base + k, base + k + 1))
         return self._body(
@@ -194,7 +211,7 @@ class BulletView:
         self._count += 1
         return Path(self._files.name) / f"{self._count}.{kind}"
 
-    def _texture(self, texture: Texture) -> int:
+    def _texture(self, texture: Texture | Painted) -> int:
         if texture not in self._textures:
             self._textures[texture] = self._load(picture_of(texture).level(0.0))
         return self._textures[texture]
@@ -204,9 +221,16 @@ class BulletView:
         cv2.imwrite(str(path), pixels[..., :3])
         return int(self._p.loadTexture(str(path), physicsClientId=self._client))
 
-    def _add_ground(self) -> None:
+    def _add_hills(self, tiles: Tiles, terrain: Terrain) -> None:
+        painted, color = drape(tiles, terrain.size), self._world.ground.color
+        relief = relief_of(terrain, color, painted)
+        # What is flat would flicker with the ground in the same place.
+        risen = [face for face in relief.faces if relief.vertices[list(face.corners), 2].any()]
+        if risen:
+            self._wrap(self._mesh(Solid(relief.vertices, tuple(risen), False), color), painted)
+
+    def _add_ground(self, tiles: Tiles) -> None:
         p, ground = self._p, self._world.ground
-        tiles = Tiles(ground)
         level = max(0, ceil(log2(ground.size / _GROUND_TEXELS / FINEST)))
         reach = ceil(ground.size / 2 / (FINEST * 2**level * SIDE))
         rows = [
@@ -260,6 +284,21 @@ class EglView(BulletView):
             )
         self._plugin = plugin
         return client
+
+    def _nearest(self, pose: Pose, lens: Intrinsics) -> float:
+        # As far out as nothing is cut off: the finer are the depths that OpenGL can tell apart.
+        # With the least one, windows sink into their walls and markers into the ground.
+        eye = np.array(pose[0])
+        gaps = [abs(pose[0].z) + _BENEATH]
+        if self._world.ground.terrain:
+            gaps = [pose[0].z - max(map(max, self._world.ground.terrain.heights))]
+        for name, (middle, radius) in self._balls.items():
+            at, attitude = self._poses[name]
+            gaps.append(float(np.linalg.norm(rotation(attitude) @ middle + at - eye)) - radius)
+        # In a corner of the picture depth is the least share of the distance.
+        across = max(lens.cx + 1, lens.width - lens.cx) / lens.fx
+        down = max(lens.cy + 1, lens.height - lens.cy) / lens.fy
+        return min(max(self.near, min(gaps) / hypot(1, across, down)), _NEAR_AT_MOST)
 
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
@@ -315,21 +354,15 @@ _CORNERS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
 _AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
 
 
-def _ball(radius: float) -> Mesh:
-    """A sphere by degrees of latitude and longitude."""
-    rings, around = 24, 48
-    south, east = np.meshgrid(
-        np.linspace(0, np.pi, rings + 1),
-        np.linspace(0, 2 * np.pi, around, endpoint=False),
-        indexing="ij",
-    )
-    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
-    ring, slice_ = np.divmod(np.arange(rings * around), around)
-    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
-    faces = np.concatenate(
-        [np.stack([a, a + around, b + around], 1), np.stack([a, b + around, b], 1)]
-    )
-    return Mesh(radius * at.reshape(-1, 3), faces.astype(np.int32))
+def _ball_about(thing: Thing) -> tuple[NDArray[np.float64], float]:
+    solids = [solid_of(part) for part in thing.parts]
+    corners = np.concatenate([solid.vertices for solid in solids] or [np.zeros((1, 3))])
+    middle = (corners.min(0) + corners.max(0)) / 2
+    reaches = [
+        float(np.linalg.norm(solid.vertices - middle, axis=1).max()) + solid.sphere
+        for solid in solids
+    ]
+    return middle, max(reaches, default=0.0)
 
 
 def _rgba(color: Color) -> list[float]:

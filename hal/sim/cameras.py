@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import ceil, floor, isfinite, pi, tan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hal.rendering import Pose, Renderer, open_renderer
 from hal.sim.physics import STEP, State
@@ -125,14 +125,22 @@ def _checked(name: str, spec: CameraSpec) -> CameraSpec:
             raise _bad(
                 f"the camera '{name}' has a {key} of {value!r}", f"it must be {low:g} to {high:g}"
             )
-    if len(spec.at) != 3 or not all(map(isfinite, spec.at)):
+    if not _numbers(spec.at, 3):
         raise _bad(f"the camera '{name}' is at {spec.at!r}", "x, y and z in metres")
-    if len(spec.distortion) not in (0, 4, 5) or not all(map(isfinite, spec.distortion)):
+    if not _numbers(spec.distortion, 0, 4, 5):
         raise _bad(
-            f"the camera '{name}' has a distortion of {len(spec.distortion)} numbers",
-            "they are OpenCV's k1, k2, p1, p2 and k3",
+            f"the camera '{name}' has a distortion of {spec.distortion!r}",
+            "it is a list of OpenCV's k1, k2, p1, p2 and k3",
         )
     return replace(spec, at=Point(*spec.at), distortion=tuple(spec.distortion))
+
+
+def _numbers(given: Any, *counts: int) -> bool:
+    """Whether something is a list of so many finite numbers."""
+    try:
+        return len(given) in counts and all(map(isfinite, given))
+    except TypeError:
+        return False
 
 
 def _bad(message: str, hint: str | None = None) -> UserError:

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import atan2, copysign, hypot
 from typing import Any
 
 from hal.sim.physics import GRAVITY, STEP
 from hal.sim.shapes import Piece, compound
 from vencejo.geometry import product
-from worlds.motion import pose_at
+from worlds.motion import STRETCH, pose_at
 from worlds.things import Thing
 
 _HEAVY = 1e6
 """Kilograms (and kg·m²): no vehicle pushes it off its path."""
-
-
-_STRETCH = 6
-"""Steps that it moves straight: a mission period, at whose end it is where its path says."""
+_STRETCH = round(STRETCH / STEP)
+"""Steps that it moves straight."""
 
 
 class Mover:
@@ -57,6 +56,7 @@ class Mover:
         # A step adds gravity before it moves the body.
         rising = (target.z - z) * pace + GRAVITY * STEP
         self._velocity = ((target.x - x) * pace, (target.y - y) * pace, rising)
-        # Of a small turn the angle is twice the quaternion's vector.
-        twice = 2 * pace if turn[3] >= 0 else -2 * pace
-        self._turning = (turn[0] * twice, turn[1] * twice, turn[2] * twice)
+        sine = hypot(*turn[:3])
+        angle = 2 * atan2(sine, abs(turn[3]))
+        rate = copysign(angle / sine * pace, turn[3]) if sine else 0.0
+        self._turning = (turn[0] * rate, turn[1] * rate, turn[2] * rate)

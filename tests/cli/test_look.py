@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from unittest.mock import Mock
 
 import cv2
 import pytest
 
-from cli.look import view
+from cli.look import LENS, view
+from cli.options import cameras
 from hal.raster.solids import rotation
 from tests.cli.run_cli import run_cli
+from vencejo.geometry import Point
 from worlds import find_world, world_names
 
 
@@ -36,6 +39,25 @@ def test_from_a_place_of_ones_own() -> None:
     assert rotation(attitude)[:, 1].tolist() == pytest.approx([0, -1, 0])
 
 
+def test_all_of_a_world_is_in_the_picture() -> None:
+    world = find_world("roads:17")
+    for camera in ("front", "top"):
+        at, attitude = view(world, camera, None)
+        for spot in [*world.places.values(), *(Point(*p, 0.0) for p in world.roads[0].points)]:
+            x, y, depth = rotation(attitude).T @ spot.minus(at)
+            across, down = LENS.fx * x / depth + LENS.cx, LENS.fy * y / depth + LENS.cy
+            assert depth > 0 and -1 < across < LENS.width and -1 < down < LENS.height
+
+
+def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
+    found = cameras(Mock(), Mock(), ("front:64x48", "front@5", "ventral:off", "side:32x32"))
+    assert found == {
+        "front": {"width": 64, "height": 48, "rate": 5.0},
+        "ventral": None,
+        "side": {"width": 32, "height": 32},
+    }
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -43,6 +65,10 @@ def test_from_a_place_of_ones_own() -> None:
         (("worlds", "yard", "--render", "x.nothing"), "cannot be written"),
         (("worlds", "--render", "x.png"), "which world?"),
         (("worlds", "yard", "--render", "x.png", "--at", "1,2"), "'1,2' is not x,y,z"),
+        (
+            ("worlds", "yard", "--render", "x.png", "--camera", "top", "--at", "1,2,3"),
+            "--camera down",
+        ),
         (("worlds", "yard", "--gui"), "there is no display"),
         (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
         (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
 from random import Random
@@ -12,12 +13,13 @@ import pytest
 from numpy.typing import NDArray
 
 from hal.raster import Raster
-from hal.raster.solids import rotation
+from hal.raster.solids import ball, rotation
 from hal.rendering import Pose
-from hal.sim.bullet_view import TinyView
+from hal.sim.bullet_view import EglView, TinyView
 from hal.vehicle import Intrinsics
 from tests.hal.scenes import (
     GREEN,
+    ROAD,
     lens,
     look,
     marker,
@@ -29,8 +31,20 @@ from tests.hal.scenes import (
 )
 from vencejo.errors import UserError
 from vencejo.geometry import Point, product, yaw_quaternion
+from worlds import figures
 from worlds.model import Ground, Light, World
-from worlds.things import Cuboid, Fiducial, Image, Motion, Plate, Terrain, Thing
+from worlds.things import (
+    Cuboid,
+    Fiducial,
+    Image,
+    Mesh,
+    Motion,
+    Plate,
+    Shape,
+    Sphere,
+    Terrain,
+    Thing,
+)
 
 Floats = NDArray[np.float64]
 
@@ -254,6 +268,29 @@ def test_plates_are_seen_from_above_only() -> None:
     assert picture(world, look((0, 0, 0.5), (0, 0, 4)))[120, 160].tolist() == list(SKY)
 
 
+def _two_balls() -> Mesh:
+    one = ball(1.0, 16)
+    vertices = np.concatenate([one.vertices, one.vertices + np.array([0.0, 2.5, 0.0])])
+    return Mesh(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
+
+
+@pytest.mark.parametrize("shape", [Sphere(1.0), _two_balls()])
+def test_of_what_the_ground_cuts_the_upper_part_is_seen(shape: Shape) -> None:
+    pose = look((-6.0, 0.0, 3.0), (6.0, 0.0, 0.0))
+    for height in (1.0, 0.2, -0.5, -0.9, -1.2):
+        world = world_of(thing_of("ball", shape, (6.0, 0.0, height)))
+        raster, reference = Raster(world, {}), TinyView(world, {})
+        try:
+            image = raster.render(pose, LENS, 0.0, {})
+            _, bodies = reference.look(pose, LENS, 0.0, {})
+            (body,) = reference.names
+        finally:
+            reference.close()
+        mine, others = (image == (30, 30, 200)).all(2), bodies == body
+        assert (mine & others).sum() >= 0.94 * (mine | others).sum()
+        assert mine.any() == (height > -1)
+
+
 def test_moving_things_and_vehicles_are_where_they_are() -> None:
     shape = thing_of("car", Cuboid(Point(1, 1, 1)), (0, 0, 0.5), color=(250, 0, 0))
     path = Motion((Point(0, 0, 0.5), Point(10, 0, 0.5)), 1.0, loop=False, turns=True)
@@ -297,6 +334,53 @@ def test_hills_hide_what_is_behind_them_and_bury_what_is_in_them() -> None:
     image = picture(world_of(behind, inside, on_top, ground=ground), look((-9, 0, 2), (0, 0, 2)))
     assert not (image == (30, 30, 200)).all(2).any()
     assert (image == (250, 0, 0)).all(2).sum() > 200
+
+
+def test_opengl_shows_what_lies_close_to_other_things() -> None:
+    """Windows lie 1 cm before their walls, markers 1 cm above the ground."""
+    pane = thing_of("pane", Plate(1.0, 1.0), (29.99, 0.0, 2.0), figures.standing(pi), (0, 0, 200))
+    mat = thing_of("mat", Plate(2.0, 2.0), (20.0, -5.0, 0.01), color=(255, 255, 255))
+    wall = thing_of("wall", Cuboid(Point(1.0, 8.0, 4.0)), (30.5, 0.0, 2.0))
+    world = world_of(pane, mat, wall)
+    try:
+        opengl = EglView(world, {})
+    except UserError as error:
+        pytest.skip(str(error))
+    raster = Raster(world, {})
+    try:
+        for height in (2.0, 4.0, 9.0):
+            pose = look((0.0, 0.0, height), (20.0, 0.0, 1.0))
+            image = raster.render(pose, LENS, 0.0, {})
+            _, bodies = opengl.look(pose, LENS, 0.0, {})
+            names = {name: body for body, name in opengl.names.items()}
+            for name, color in (("pane", (200, 0, 0)), ("mat", (255, 255, 255))):
+                mine, others = (image == color).all(2), bodies == names[name]
+                assert (mine & others).sum() > 0.8 * (mine | others).sum() > 0
+    finally:
+        opengl.close()
+
+
+@pytest.mark.parametrize("renderer", [Raster, TinyView])
+def test_roads_lead_over_hills(renderer: type[Raster | TinyView]) -> None:
+    """Seen from above, what is painted is where it would be without hills."""
+    heights = tuple(
+        tuple(2.0 if 0 < row < 4 and 0 < column < 4 else 0.0 for column in range(5))
+        for row in range(5)
+    )
+    high = replace(ROAD, terrain=Terrain(heights, 40.0))
+    pose = look((0.0, 0.0, 202.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    camera = lens(320, 240, 8)
+    shown = []
+    for ground, at in ((high, pose), (ROAD, (pose[0].minus(Point(0.0, 0.0, 2.0)), pose[1]))):
+        world = world_of(ground=ground)
+        drawn = renderer(world, {})
+        try:
+            image = drawn.render(at, camera, 0.0, {}).astype(int)
+        finally:
+            drawn.close()
+        shown.append((image.max(2) - image.min(2))[60:180, 80:240] < 30)
+    on_hills, flat = shown
+    assert (on_hills & flat).sum() > 0.9 * (on_hills | flat).sum() > 900
 
 
 def test_equal_arguments_give_equal_pictures() -> None:

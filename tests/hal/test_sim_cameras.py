@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tracemalloc
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from hal.raster.solids import rotation
 from hal.sim import CameraSpec, SimSession, open_session
 from hal.sim.bullet import Bullet
 from hal.sim.looks import color_of
+from hal.sim.optics import Optics
 from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
@@ -193,7 +195,10 @@ def test_vehicles_see_each_other_and_not_themselves() -> None:
         ({"cameras": {"front": {"width": 0}}}, "has a width of 0"),
         ({"cameras": {"front": {"width": 3.5}}}, "has a width of 3.5"),
         ({"cameras": {"front": {"rate": 500}}}, "has a rate of 500"),
-        ({"cameras": {"front": {"distortion": (1.0,)}}}, "a distortion of 1 numbers"),
+        ({"cameras": {"front": {"distortion": (1.0,)}}}, "has a distortion of (1.0,)"),
+        ({"cameras": {"front": {"distortion": 0.1}}}, "has a distortion of 0.1"),
+        ({"cameras": {"front": {"distortion": ["a"] * 4}}}, "has a distortion of ['a',"),
+        ({"cameras": {"front": {"at": None}}}, "is at None"),
         ({"cameras": {"front": {"at": (1.0, 2.0)}}}, "is at (1.0, 2.0)"),
         ({"cameras": {"front": 7}}, "is 7"),
         ({"cameras": {"no name": {}}}, "'no name' is no name of a camera"),
@@ -205,6 +210,17 @@ def test_settings_that_cannot_be_are_told(given: dict[str, object], message: str
     with pytest.raises(UserError) as error:
         open_session(Options(settings=given))
     assert message in str(error.value)
+
+
+def test_a_lens_takes_no_more_memory_than_some_pictures() -> None:
+    lens = CameraSpec(width=800, height=600, distortion=(-0.1, 0.01, 0, 0, 0), noise=2.0)
+    tracemalloc.start()
+    try:
+        Optics(lens, 0, ("test",))
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 100 * 800 * 600
 
 
 def test_a_distortion_that_bends_too_far_is_told() -> None:

@@ -9,6 +9,7 @@ from random import Random
 
 import pytest
 
+from hal.raster.solids import relief_of
 from hal.sim import open_session
 from hal.sim.bullet import Bullet
 from hal.sim.bumps import Bumps
@@ -21,6 +22,7 @@ from worlds import figures
 from worlds.loader import read_world
 from worlds.motion import pose_at
 from worlds.solids import bounds_of
+from worlds.terrain import height_at
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Motion, Part, Shape, Sphere, Terrain, Thing
 
 GRAY = (128, 128, 128)
@@ -177,6 +179,21 @@ def test_hills_are_ground(physics: Bullet) -> None:
     assert body.supported()
 
 
+def test_hills_are_as_high_in_physics_pictures_and_for_what_stands_on_them(
+    physics: Bullet,
+) -> None:
+    draw = Random(5)
+    inner = range(1, 5)
+    rows = [[draw.uniform(0, 4) if {i, j} <= {*inner} else 0.0 for j in range(6)] for i in range(6)]
+    terrain = Terrain(tuple(map(tuple, rows)), 20.0)
+    physics.add_things([], terrain)
+    relief = relief_of(terrain, GRAY)
+    middles = [relief.vertices[list(face.corners)].mean(0) for face in relief.faces]
+    for x, y, z in middles:
+        (echo,) = physics.rays([(x, y, 9)], [(x, y, -1)]).distances
+        assert (height_at(terrain, x, y), 9 - echo) == pytest.approx((z, z), abs=1e-5)
+
+
 # What moves.
 
 SQUARE = (Point(0, 0, 1), Point(6, 0, 1), Point(6, 6, 2), Point(0, 6, 1))
@@ -208,6 +225,23 @@ def _on_path(physics: Bullet, seconds: float) -> None:
     there, heading = pose_at(moving, seconds)
     assert at == pytest.approx(there, abs=1e-6)
     assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
+
+
+@pytest.mark.parametrize("smooth_corner", [True, False])
+def test_a_mover_is_where_pictures_show_it_at_every_step(
+    physics: Bullet, smooth_corner: bool
+) -> None:
+    """Cameras of 30 Hz look between mission periods; corners and curves differ most there."""
+    corners = tuple(Point(3 * cos(k), 3 * sin(k), 1) for k in range(6)) if smooth_corner else SQUARE
+    moving = pad(9.0, corners)
+    physics.add_things([moving])
+    (mover,) = physics._movers
+    for steps in range(1, 600):
+        physics.step()
+        at, attitude = physics._p.getBasePositionAndOrientation(mover.body, physics._client)
+        there, heading = pose_at(moving, steps * STEP)
+        assert at == pytest.approx(there, abs=1e-6)
+        assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
 
 
 def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:

@@ -72,6 +72,10 @@ def test_a_smooth_road_bends_and_a_loop_closes() -> None:
         ([(0, 0), (1, 0), (2, 0), (3, 0)], False),
         ([(0, 0), (1, 1), (2, 2), (3, 3)], False),
         ([(0, 0), (5, 0), (5, 1), (3, 1), (3, 0), (9, 0)], True),  # runs along itself
+        ([(0, 0), (9, 9), (4, 4)], True),  # turns back
+        ([(0, 0), (9, 0), (0, 0)], True),
+        ([(0, 0), (9, 0), (9, 9), (-5, 0), (0, 0)], False),
+        ([(0, 0), (9, 0), (9, 9), (5, 0), (0, 0)], True),  # turns back where it closes
     ],
 )
 def test_crossings(line: list[tuple[float, float]], crosses: bool) -> None:
@@ -81,6 +85,10 @@ def test_crossings(line: list[tuple[float, float]], crosses: bool) -> None:
 def test_a_crossing_can_be_wanted() -> None:
     text = "roads: {r: {through: [[0, 0], [9, 0], [9, 9], [5, -5]], crossing: true}}"
     assert len(world(text).roads) == 1
+
+
+def _turns_back(line: list[tuple[float, float]]) -> bool:
+    return any(crossing_of(list(three)) for three in zip(line, line[1:], line[2:], strict=False))
 
 
 points = st.lists(
@@ -113,5 +121,5 @@ def test_skipping_far_legs_misses_nothing(line: list[tuple[float, float]]) -> No
     line = [line[0], *(b for a, b in pairwise(line) if a != b)]
     legs = list(pairwise(line))
     crosses = any(legs_meet(*one, *other) for k, one in enumerate(legs) for other in legs[k + 2 :])
-    if len(line) > 1 and line[0] != line[-1]:
+    if len(line) > 1 and line[0] != line[-1] and not _turns_back(line):
         assert (crossing_of(line) is not None) == crosses
