@@ -214,6 +214,7 @@ def _explain(behavior: Behavior) -> None:
     show_default=True,
     help="What draws the picture.",
 )
+@click.option("--shadows", is_flag=True, help="What stands on the ground darkens it.")
 @click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def worlds(
@@ -222,12 +223,15 @@ def worlds(
     camera: str,
     at: tuple[float, float, float, float] | None,
     renderer: str,
+    shadows: bool,
     gui: bool,
     as_json: bool,
 ) -> None:
     """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
     from worlds import find_world, world_families, world_names
 
+    if bool(picture_file) + gui + as_json > 1:
+        raise UserError("bad-usage", "--render, --gui and --json exclude one another")
     if name is None and (picture_file or gui):
         raise UserError("no-world", "which world?", hint="drone-cli worlds road_town --render …")
     if name is None:
@@ -243,7 +247,7 @@ def worlds(
     if picture_file:
         from cli.look import render
 
-        render(world, picture_file, camera, at, renderer)
+        render(world, picture_file, camera, at, renderer, shadows)
         click.echo(picture_file)
         return
     if gui:

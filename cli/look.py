@@ -30,6 +30,7 @@ def render(
     camera: str = "front",
     at: tuple[float, float, float, float] | None = None,
     renderer: str = "raster",
+    shadows: bool = False,
 ) -> None:
     """Write a picture of a world; the file's name says of which format.
 
@@ -44,7 +45,7 @@ def render(
             "--camera top shows all of the world and has its own place",
             hint="take --camera down to look straight down from --at",
         )
-    opened = open_renderer(renderer, world, {})
+    opened = open_renderer(renderer, world, {}, shadows=shadows)
     try:
         image = opened.render(view(world, camera, at), LENS, 0.0, {})
     finally:

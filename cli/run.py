@@ -73,6 +73,7 @@ from vencejo.errors import UserError
     show_default=True,
     help="What draws the simulator's pictures.",
 )
+@click.option("--shadows", is_flag=True, help="What stands on the ground darkens it in pictures.")
 @click.option(
     "--runs-dir",
     type=click.Path(path_type=Path, file_okay=False),
@@ -98,6 +99,7 @@ def run(
     noise: float,
     wanted_cameras: dict[str, dict[str, int | float] | None],
     renderer: str,
+    shadows: bool,
     runs_dir: Path,
     no_frames: bool,
     as_json: bool,
@@ -114,7 +116,12 @@ def run(
         click.echo(str(fault), err=True)
     settings: dict[str, object] = {}
     if backend == "sim":
-        settings = {"noise": noise, "cameras": wanted_cameras, "renderer": renderer}
+        settings = {
+            "noise": noise,
+            "cameras": wanted_cameras,
+            "renderer": renderer,
+            "shadows": shadows,
+        }
     plan = Plan(prepared, values, backend, seed, settings)
 
     def record() -> Recorder:

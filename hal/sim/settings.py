@@ -42,9 +42,12 @@ def read_settings(given: Mapping[str, object]) -> Settings:
             f"'noise' must be true, false or a factor of 0 or more, not {noise!r}",
             hint="1 is the command noise of Gazebo's AR.Drone, 0 is none",
         )
+    shadows = given.get("shadows", False)
+    if not isinstance(shadows, bool):
+        raise UserError("bad-setting", f"'shadows' must be true or false, not {shadows!r}")
     return Settings(
         float(noise),
         read_cameras(given.get("cameras")),
         check_renderer(given.get("renderer", "raster")),
-        bool(given.get("shadows", False)),
+        shadows,
     )

@@ -70,6 +70,7 @@ def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
             "--camera down",
         ),
         (("worlds", "yard", "--gui"), "there is no display"),
+        (("worlds", "yard", "--render", "x.png", "--json"), "exclude one another"),
         (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
         (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),
         (("run", "first_flight", "--renderer", "tny"), "did you mean 'tiny'?"),
@@ -83,3 +84,15 @@ def test_what_cannot_be_is_told(
     result = run_cli(*arguments)
     assert result.code == 2 and message in result.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_shadows_darken_the_ground(tmp_path: Path) -> None:
+    pictures = []
+    for name, options in (("lit.png", ()), ("dark.png", ("--shadows",))):
+        path = str(tmp_path / name)
+        assert run_cli("worlds", "yard", "--render", path, *options).code == 0
+        pictures.append(cv2.imread(path).astype(int))
+    lit, dark = pictures
+    darker = (dark < lit).any(2)
+    assert (dark <= lit).all()
+    assert 0.005 < darker.mean() < 0.3

@@ -171,6 +171,7 @@ def test_a_closed_session_advances_no_more() -> None:
         (Options(settings={"nois": 1}), "unknown-setting"),
         (Options(settings={"noise": "loud"}), "bad-setting"),
         (Options(settings={"noise": -1}), "bad-setting"),
+        (Options(settings={"shadows": "no"}), "bad-setting"),
         (Options(settings={"noise": float("inf")}), "bad-setting"),
         (Options(world="yrad"), "unknown-world"),
         (Options(address="udp:14540"), "no-address"),
