@@ -29,12 +29,11 @@ def paint_order(
     the pairs that these do not decide: 1 when a is in front of b, −1 when behind, 0 when knotted.
     """
     count = len(screen)
-    overlap = np.triu(
-        (screen[:, None, :2] <= screen[None, :, 2:]).all(2)
-        & (screen[None, :, :2] <= screen[:, None, 2:]).all(2),
-        1,
-    )
-    a, b = np.nonzero(overlap)
+    left, top, right, bottom = screen.T
+    meets = (left[:, None] <= right) & (top[:, None] <= bottom)
+    a, b = np.nonzero(meets & meets.T)
+    once = a < b
+    a, b = a[once], b[once]
     front = (depths[a, 1] <= depths[b, 0] + _TOUCH) * 1 - (depths[b, 1] <= depths[a, 0] + _TOUCH)
     low, high = boxes[:, :3], boxes[:, 3:]
     open_ = np.flatnonzero(front == 0)

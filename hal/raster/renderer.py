@@ -212,13 +212,18 @@ class Raster:
         shades = self._shades(faces.numbers)
         colors = np.rint(scene.colors[faces.numbers][:, ::-1] * shades[:, None])
         colors = np.column_stack([colors, np.full(len(colors), 255.0)])
-        place = np.empty(len(scene.solids), np.int64)
+        turn_of_solid = [0] * len(solids)
         for number, group in enumerate(groups):
-            place[solids[group]] = number
-        knots = {number for number, group in enumerate(groups) if self._knotted(solids[group])}
+            for solid in group:
+                turn_of_solid[solid] = number
+        convex = scene.convex[solids].tolist()
+        knots = {
+            number for number, group in enumerate(groups) if len(group) > 1 or not convex[group[0]]
+        }
         runs = np.array(outline.polygon, np.int64) - bands
         begin = int(np.searchsorted(runs, 0))
-        turns = place[owners[runs[begin:]]]
+        counts = np.diff(first, append=len(owners))
+        turns = np.repeat(np.array(turn_of_solid), counts)[runs[begin:]]
         fill, starts, points = cv2.fillConvexPoly, outline.start, outline.points
         palette = colors.tolist()
         textures = scene.frame_of_face
@@ -243,9 +248,6 @@ class Raster:
                 _paste(image, pixels, shape, box)
             else:
                 fill(image, shape, palette[face])
-
-    def _knotted(self, solids: NDArray[np.int64]) -> bool:
-        return len(solids) > 1 or not self._scene.convex[solids[0]]
 
     def _order(
         self, shot: _Shot, faces: _Faces, solids: NDArray[np.int64], first: NDArray[np.int64]

@@ -60,7 +60,7 @@ def spans(points: Floats, starts: Ints, width: int, height: int) -> Spans:
     rising = y[following] < y
     upper, lower = np.arange(len(points)), following
     upper[rising], lower[rising] = lower[rising], upper[rising]
-    rows = np.clip(np.ceil(y), 0, height).astype(np.int64)
+    rows = np.minimum(np.maximum(np.ceil(y), 0), height).astype(np.int64)
     begin, number = rows[upper], rows[lower] - rows[upper]
     ends = np.cumsum(number)
     edge = np.repeat(np.arange(len(points)), number)
@@ -68,7 +68,7 @@ def spans(points: Floats, starts: Ints, width: int, height: int) -> Spans:
     fall = y[lower] - y[upper]
     slope = (x[lower] - x[upper]) / np.where(fall > 0, fall, 1.0)
     crossing = (x[upper] - slope * y[upper])[edge] + slope[edge] * row
-    crossing = np.ceil(np.clip(crossing, -1.0, width + 1.0)).astype(np.int64)
+    crossing = np.ceil(np.minimum(np.maximum(crossing, -1.0), width + 1.0)).astype(np.int64)
     top = np.minimum.reduceat(rows, first)
     heights = np.maximum.reduceat(rows, first) - top
     row_ends = np.cumsum(heights)
