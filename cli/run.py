@@ -14,6 +14,7 @@ import click
 
 from cli import missions
 from cli.appending import as_json as as_json_value
+from cli.camera_file import joined, read_camera_file
 from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
 from cli.options import MissionName, Speed, Word, assignments, cameras
 from cli.pace import Pace
@@ -67,6 +68,13 @@ from vencejo.errors import UserError
     help="Set a camera of the simulator, for instance front:640x480@30, or front:off. Repeatable.",
 )
 @click.option(
+    "--cameras",
+    "camera_file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Set the simulator's cameras by a YAML file: place, direction, lens, noise, blur.",
+)
+@click.option(
     "--renderer",
     type=Word(list(RENDERERS)),
     default="raster",
@@ -98,6 +106,7 @@ def run(
     speed: float | None,
     noise: float,
     wanted_cameras: dict[str, dict[str, int | float] | None],
+    camera_file: Path | None,
     renderer: str,
     shadows: bool,
     runs_dir: Path,
@@ -118,7 +127,9 @@ def run(
     if backend == "sim":
         settings = {
             "noise": noise,
-            "cameras": wanted_cameras,
+            "cameras": joined(read_camera_file(camera_file), wanted_cameras)
+            if camera_file
+            else wanted_cameras,
             "renderer": renderer,
             "shadows": shadows,
         }
@@ -127,7 +138,10 @@ def run(
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         folder = new_folder(runs_dir, stamp, prepared.graph.name)
-        return Recorder(folder, frames=not no_frames)
+        recorder = Recorder(folder, frames=not no_frames)
+        if camera_file is not None:
+            recorder.keep([camera_file], camera_file.parent)
+        return recorder
 
     summary = _fly(plan, speed, record, as_json)
     sys.exit(summary["exit_code"])
