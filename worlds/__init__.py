@@ -3,7 +3,7 @@
 from worlds.catalog import find_world, world_families, world_names
 from worlds.loader import load_world
 from worlds.model import Ground, Light, Origin, Road, Start, World
-from worlds.motion import pose_at, velocity_at
+from worlds.motion import pose_at
 from worlds.things import Color, Thing
 
 __all__ = [
@@ -18,7 +18,6 @@ __all__ = [
     "find_world",
     "load_world",
     "pose_at",
-    "velocity_at",
     "world_families",
     "world_names",
 ]

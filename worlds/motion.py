@@ -35,20 +35,12 @@ def _carried(track: Track, time: float) -> tuple[Point, float]:
     number = floor(time / STRETCH + 1e-6)
     share = time / STRETCH - number
     if abs(share) < 1e-6:
-        return track.at(time)[:2]
-    place, heading, _, _ = track.at(number * STRETCH)
-    end, final, _, _ = track.at((number + 1) * STRETCH)
+        return track.at(time)
+    place, heading = track.at(number * STRETCH)
+    end, final = track.at((number + 1) * STRETCH)
     way = end.minus(place)
     place = place.plus((way.x * share, way.y * share, way.z * share))
     return place, wrap(heading + wrap(final - heading) * share)
-
-
-def velocity_at(thing: Thing, time: float) -> tuple[Point, float]:
-    """How a thing moves on its path: velocity, m/s, and turn rate about the vertical, rad/s."""
-    if thing.motion is None:
-        return Point(0.0, 0.0, 0.0), 0.0
-    _, _, velocity, rate = track_of(thing.motion).at(time)
-    return velocity, rate if thing.motion.turns else 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,31 +55,26 @@ class Track:
     """Of each leg, radians."""
     speed: float
 
-    def at(self, time: float) -> tuple[Point, float, Point, float]:
-        """Place, heading, velocity and turn rate."""
+    def at(self, time: float) -> tuple[Point, float]:
+        """Place and heading."""
         way = self.speed * time % self.ways[-1]
         leg = min(bisect_right(self.ways, way), len(self.headings)) - 1
         a, b = self.corners[leg], self.corners[leg + 1]
-        length = self.ways[leg + 1] - self.ways[leg]
-        done, pace = (way - self.ways[leg]) / length, self.speed / length
+        done = (way - self.ways[leg]) / self._length(leg)
         along = b.minus(a)
         place = a.plus((along.x * done, along.y * done, along.z * done))
-        velocity = Point(along.x * pace, along.y * pace, along.z * pace)
         if done < 0.5:
-            heading, rate = self._round_corner(leg - 1, leg, way - self.ways[leg])
-        else:
-            following = (leg + 1) % len(self.headings)
-            heading, rate = self._round_corner(leg, following, way - self.ways[leg + 1])
-        return place, heading, velocity, rate
+            return place, self._round_corner(leg - 1, leg, way - self.ways[leg])
+        following = (leg + 1) % len(self.headings)
+        return place, self._round_corner(leg, following, way - self.ways[leg + 1])
 
-    def _round_corner(self, before: int, after: int, offset: float) -> tuple[float, float]:
-        """Heading and turn rate, a way before (below 0) or after the corner of two legs."""
+    def _round_corner(self, before: int, after: int, offset: float) -> float:
+        """The heading, a way before (below 0) or after the corner of two legs."""
         bend = wrap(self.headings[after] - self.headings[before])
         shorter = min(self._length(before), self._length(after))
         reach = min(_TURN * self.speed, shorter / 2)
         share = min(1.0, max(0.0, (offset + reach) / (2 * reach)))
-        rate = bend / (2 * reach) * self.speed if 0.0 < share < 1.0 else 0.0
-        return wrap(self.headings[before] + bend * share), rate
+        return wrap(self.headings[before] + bend * share)
 
     def _length(self, leg: int) -> float:
         leg %= len(self.headings)
