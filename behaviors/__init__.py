@@ -2,7 +2,7 @@
 
 from behaviors.action import action
 from behaviors.behavior import Behavior, describe
-from behaviors.catalog import Catalog, load_all, load_uses
+from behaviors.catalog import Catalog, load_all
 from behaviors.flight import Flight, MissionFrame
 from behaviors.params import (
     Area,
@@ -42,7 +42,6 @@ __all__ = [
     "drone_vocabulary",
     "live",
     "load_all",
-    "load_uses",
     "param",
     "trusted",
     "value",

@@ -6,7 +6,7 @@ import hashlib
 import importlib.util
 import sys
 import traceback
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -49,16 +49,12 @@ Own = dict[str, BehaviorInfo | Function]
 """Behaviours and functions of one's own, by name."""
 
 
-def load_uses(files: Sequence[Scalar], folder: Path) -> Own:
-    """What is in the Python files that a mission names under ``uses``.
-
-    Runs those files; only ones inside the mission's folder are accepted. Raises UserError.
-    """
-    return load_all([(scalar, folder) for scalar in files])
-
-
 def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
-    """What is in Python files, each named in a file of that folder; one named twice runs once."""
+    """What is in the Python files that missions name under ``uses``, each with the folder it is
+    named from; one named twice runs once.
+
+    Runs those files; only ones inside that folder are accepted. Raises UserError.
+    """
     found: Own = {}
     seen: set[Path] = set()
     for scalar, folder in files:

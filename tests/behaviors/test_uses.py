@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from behaviors import load_uses
+from behaviors import load_all
 from tests.behaviors.flying import Rig
 from vencejo.errors import Fault, UserError, Where
 from vencejo.nodes import Scalar
@@ -31,13 +31,13 @@ Again = ClimbTo
 """
 
 
-def named(*names: str) -> list[Scalar]:
-    return [Scalar(name, Where("m.yaml", 3, 8 + i)) for i, name in enumerate(names)]
+def named(folder: Path, *names: str) -> list[tuple[Scalar, Path]]:
+    return [(Scalar(name, Where("m.yaml", 3, 8 + i)), folder) for i, name in enumerate(names)]
 
 
 def refusal(folder: Path, *names: str) -> Fault:
     with pytest.raises(UserError) as raised:
-        load_uses(named(*names), folder)
+        load_all(named(folder, *names))
     (fault,) = raised.value.faults
     assert fault.where and str(folder) not in str(raised.value)
     return fault
@@ -45,7 +45,7 @@ def refusal(folder: Path, *names: str) -> Fault:
 
 def test_an_own_behaviour_flies(tmp_path: Path) -> None:
     (tmp_path / "climb.py").write_text(CLIMB)
-    own = load_uses(named("climb.py"), tmp_path)
+    own = load_all(named(tmp_path, "climb.py"))
     assert list(own) == ["climb_to"]
     rig = Rig(
         """
@@ -67,7 +67,7 @@ states:
 def test_files_of_a_folder_beside_it_may_be_named(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "climb.py").write_text(CLIMB)
-    assert "climb_to" in load_uses(named("mine/climb.py"), tmp_path)
+    assert "climb_to" in load_all(named(tmp_path, "mine/climb.py"))
 
 
 @pytest.mark.parametrize("name", ["../other.py", "/etc/hostname.py"])
@@ -168,7 +168,7 @@ def test_an_action_is_called(
     tmp_path: Path, color: str, outcome: str, said: list[tuple[str, float]]
 ) -> None:
     (tmp_path / "leds.py").write_text(LEDS)
-    own = load_uses(named("leds.py"), tmp_path)
+    own = load_all(named(tmp_path, "leds.py"))
     assert list(own) == ["leds"]
     rig = Rig(CALLS % color, own=own)
     rig.run(1)
@@ -188,7 +188,7 @@ def test_an_action_is_called(
 )
 def test_a_call_is_checked(tmp_path: Path, call: str, code: str, hint: str | None) -> None:
     (tmp_path / "leds.py").write_text(LEDS)
-    own = load_uses(named("leds.py"), tmp_path)
+    own = load_all(named(tmp_path, "leds.py"))
     with pytest.raises(UserError) as raised:
         Rig(CALLS.replace("{leds: {color: %s}}", call), own=own)
     (fault,) = raised.value.faults

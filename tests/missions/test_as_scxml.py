@@ -6,14 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from behaviors import drone_vocabulary, load_uses
+from behaviors import drone_vocabulary, load_all
 from cli.missions import SHIPPED
 from fsm import Graph, MissionSpec, compile_mission, read_mission
 from fsm.scxml import import_mission, parse_document, write_scxml
 
 
 def compiled(spec: MissionSpec) -> Graph:
-    return compile_mission(spec, drone_vocabulary(load_uses(spec.uses, SHIPPED)))
+    return compile_mission(
+        spec, drone_vocabulary(load_all((scalar, SHIPPED) for scalar in spec.uses))
+    )
 
 
 def edges(graph: Graph) -> list[tuple[object, ...]]:
