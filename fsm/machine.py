@@ -15,34 +15,23 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from fsm.configuration import Configuration, Running
 from fsm.event import NOTHING, Event
 from fsm.functions import FAILURES, plain
 from fsm.graph import Edge, Graph, Invocation, Node, Record, default_entry
+from fsm.outbox import Delayed, Outbox
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.selection import chain, select
 from fsm.suspension import WAKING, shift_clocks, stop_behaviors
 from fsm.vocabulary import Host, Outcome
-from fsm.waiting import EPSILON, Armed, Timer
+from fsm.waiting import Armed, Timer
 
 __all__ = ["FAILURES", "Event", "Instance", "Record"]
 
 MAX_MICROSTEPS = 1000
 NO_LIVE: Mapping[str, Any] = {}
-
-
-@dataclass(slots=True)
-class Delayed:
-    """A sent event that waits for its time."""
-
-    due: float
-    id: str
-    event: Event
-    to: str = ""
-    """The vehicle it is for; empty for one's own."""
 
 
 class Instance(Configuration):
@@ -57,7 +46,7 @@ class Instance(Configuration):
         """Events that nobody handled and whose host must react, with their fields."""
         self._urgent: deque[Event] = deque()
         self._external: deque[Event] = deque()
-        self._delayed: list[Delayed] = []
+        self._delayed = Outbox()
         self.suspended_at: float | None = None
         """When it was suspended; none while it runs."""
 
@@ -119,9 +108,12 @@ class Instance(Configuration):
                 return
             self.resume()
         self._entered_before = self._entry_count
-        if self._delayed:
-            # Before the start: what is sent with no delay is heard in a later period.
-            self._due_sends()
+        # Before the start: what is sent with no delay is heard in a later period.
+        for sent in self._delayed.take_due(now) if self._delayed else ():
+            if sent.to:
+                self._deliver(sent.event.name, sent.event.fields, sent.to)
+            else:
+                self.post(sent.event.name, sent.event.fields)
         if not self.active:
             self._start()
         # What is posted meanwhile belongs to the next period.
@@ -170,14 +162,6 @@ class Instance(Configuration):
         self._defaults.clear()
         self._stabilise()
 
-    def _due_sends(self) -> None:
-        while self._delayed and self._delayed[0].due <= self.now + EPSILON:
-            sent = self._delayed.pop(0)
-            if sent.to:
-                self._deliver(sent.event.name, sent.event.fields, sent.to)
-            else:
-                self.post(sent.event.name, sent.event.fields)
-
     # -- events -----------------------------------------------------------------------------
 
     def send(
@@ -188,8 +172,7 @@ class Instance(Configuration):
             # At once: this may be the last thing that the mission does.
             self._deliver(name, fields, to)
             return
-        self._delayed.append(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
-        self._delayed.sort(key=lambda sent: sent.due)
+        self._delayed.put(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
 
     def _deliver(self, name: str, fields: Mapping[str, Any], to: str) -> None:
         self.record("send", event=name, to=to, fields=dict(fields))
@@ -197,7 +180,7 @@ class Instance(Configuration):
 
     def cancel(self, id_: str) -> None:
         """Take back what was sent with this id and is not due."""
-        self._delayed = [sent for sent in self._delayed if sent.id != id_]
+        self._delayed.cancel(id_)
 
     def _macrostep(self, event: Event) -> bool:
         taken = self._offer(event)

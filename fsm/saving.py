@@ -17,7 +17,8 @@ from fsm.configuration import Running
 from fsm.event import Event
 from fsm.graph import Graph, Node
 from fsm.history import Memory
-from fsm.machine import Delayed, Instance
+from fsm.machine import Instance
+from fsm.outbox import Delayed
 from fsm.packing import pack, unpack
 from fsm.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.vocabulary import Host
@@ -184,7 +185,7 @@ def _fill(instance: Instance, saved: Mapping[str, Any]) -> None:
         (instance._internal, saved["internal"]),
     ):
         queue.extend(_event_of(event, by_path) for event in events)
-    instance._delayed = [
+    instance._delayed[:] = [
         Delayed(due, id_, _event_of(event, by_path), to) for due, id_, event, to in saved["delayed"]
     ]
     instance.reactions = [(name, unpack(fields)) for name, fields in saved["reactions"]]
