@@ -12,9 +12,9 @@ import click
 
 from cli import missions as known
 from cli.look import VIEWS
-from cli.options import MissionName, Place, Word
+from cli.options import MissionName, Place, Word, renderer_option, shadows_option
 from fsm import Behavior, Parameter
-from hal.rendering import RENDERERS, show_window
+from hal.rendering import show_window
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 
@@ -207,14 +207,8 @@ def _explain(behavior: Behavior) -> None:
     help="How that picture looks at it.",
 )
 @click.option("--at", type=Place(), help="From where: metres, and degrees from east.")
-@click.option(
-    "--renderer",
-    type=Word(list(RENDERERS)),
-    default="raster",
-    show_default=True,
-    help="What draws the picture.",
-)
-@click.option("--shadows", is_flag=True, help="What stands on the ground darkens it.")
+@renderer_option
+@shadows_option
 @click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def worlds(

@@ -9,6 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from hal.rendering import RENDERERS
 from vencejo.errors import nearest
 
 
@@ -28,6 +29,18 @@ class Word(click.ParamType):  # type: ignore[type-arg]
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         return [CompletionItem(word) for word in self.words if word.startswith(incomplete)]
+
+
+renderer_option = click.option(
+    "--renderer",
+    type=Word(list(RENDERERS)),
+    default="raster",
+    show_default=True,
+    help="What draws the simulator's pictures.",
+)
+shadows_option = click.option(
+    "--shadows", is_flag=True, help="What stands on the ground darkens it in pictures."
+)
 
 
 class Speed(click.ParamType):  # type: ignore[type-arg]

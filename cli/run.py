@@ -16,14 +16,21 @@ from cli import missions
 from cli.appending import as_json as as_json_value
 from cli.camera_file import joined, read_camera_file
 from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
-from cli.options import MissionName, Speed, Word, assignments, cameras
+from cli.options import (
+    MissionName,
+    Speed,
+    Word,
+    assignments,
+    cameras,
+    renderer_option,
+    shadows_option,
+)
 from cli.pace import Pace
 from cli.prepare import prepare
 from cli.recorder import Recorder, new_folder
 from cli.signals import Interrupts
 from fsm import parse_parameters
 from hal import backend_names
-from hal.rendering import RENDERERS
 from vencejo.errors import UserError
 
 
@@ -74,14 +81,8 @@ from vencejo.errors import UserError
     metavar="FILE",
     help="Set the simulator's cameras by a YAML file: place, direction, lens, noise, blur.",
 )
-@click.option(
-    "--renderer",
-    type=Word(list(RENDERERS)),
-    default="raster",
-    show_default=True,
-    help="What draws the simulator's pictures.",
-)
-@click.option("--shadows", is_flag=True, help="What stands on the ground darkens it in pictures.")
+@renderer_option
+@shadows_option
 @click.option(
     "--runs-dir",
     type=click.Path(path_type=Path, file_okay=False),
