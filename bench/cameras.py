@@ -15,7 +15,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import pi, tan
+from math import pi
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -33,7 +33,7 @@ from fsm.machine import Record
 from hal.rendering import RENDERERS, Pose, open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
-from vencejo.geometry import Point, about_y, product
+from vencejo.geometry import OPTICAL, Point, about_y, product
 from worlds import World, load_world
 
 SIZES = ((320, 240), (640, 480))
@@ -78,14 +78,13 @@ def write_world(folder: Path) -> Path:
 def poses() -> dict[str, Pose]:
     """Straight down from 6 m, and ahead from the edge, a little down."""
     tilt = about_y(0.2)
-    ahead = product(tilt, (-0.5, 0.5, -0.5, 0.5))
-    down = product(about_y(pi / 2), (-0.5, 0.5, -0.5, 0.5))
+    ahead = product(tilt, OPTICAL)
+    down = product(about_y(pi / 2), OPTICAL)
     return {"ventral": (Point(0, 0, 6), down), "front": (Point(-12, 0, 3), ahead)}
 
 
 def lens(width: int, height: int) -> Intrinsics:
-    focal = width / 2 / tan(pi / 6)
-    return Intrinsics(width, height, focal, focal, (width - 1) / 2, (height - 1) / 2)
+    return Intrinsics.of_view(width, height, pi / 3)
 
 
 def rates(world: World, name: str, pictures: int) -> dict[str, float]:

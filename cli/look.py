@@ -8,7 +8,7 @@ from pathlib import Path
 from hal.rendering import Pose, open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, Where
-from vencejo.geometry import Point, Quaternion, about_y, product, turned, yaw_quaternion
+from vencejo.geometry import OPTICAL, Point, Quaternion, about_y, product, turned, yaw_quaternion
 from worlds import Thing, World
 from worlds.solids import bounds_of, part_pose
 
@@ -16,10 +16,7 @@ VIEWS = ("front", "down", "top")
 """Level and ahead from a place, straight down from it, or all of the world from above."""
 WIDTH, HEIGHT = 640, 480
 _FIELD = pi / 3
-_FOCAL = WIDTH / 2 / tan(_FIELD / 2)
-LENS = Intrinsics(WIDTH, HEIGHT, _FOCAL, _FOCAL, (WIDTH - 1) / 2, (HEIGHT - 1) / 2)
-_OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
-"""Optical axes of a camera that looks along x with z up."""
+LENS = Intrinsics.of_view(WIDTH, HEIGHT, _FIELD)
 _SMALLEST = 6.0
 """What is looked at from outside is at least this large, metres from its middle."""
 
@@ -80,7 +77,7 @@ def view(world: World, camera: str, at: tuple[float, float, float, float] | None
 
 
 def _aimed(heading: float, tilt: float) -> Quaternion:
-    return product(product(yaw_quaternion(heading), about_y(tilt)), _OPTICAL)
+    return product(product(yaw_quaternion(heading), about_y(tilt)), OPTICAL)
 
 
 def _extent(world: World) -> tuple[Point, float]:

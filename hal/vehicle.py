@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import isfinite, tan
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
 from vencejo.errors import UserError
@@ -145,6 +145,17 @@ class Intrinsics:
     cy: float
     distortion: tuple[float, ...] = ()
     """OpenCV's k1, k2, p1, p2, k3; empty for none."""
+
+    @classmethod
+    def of_view(
+        cls, width: int, height: int, view: float, distortion: tuple[float, ...] = ()
+    ) -> Intrinsics:
+        """Of a horizontal field of view, radians.
+
+        Pixels are square, and the optical axis meets the middle of the picture.
+        """
+        focal = width / 2 / tan(view / 2)
+        return cls(width, height, focal, focal, (width - 1) / 2, (height - 1) / 2, distortion)
 
 
 @dataclass(frozen=True, slots=True)

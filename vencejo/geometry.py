@@ -69,6 +69,10 @@ def about_x(angle: float) -> Quaternion:
     return (sin(angle / 2), 0.0, 0.0, cos(angle / 2))
 
 
+OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
+"""Optical axes (x right, y down, z out) of a camera that looks along x, with z up."""
+
+
 def about_y(angle: float) -> Quaternion:
     """The rotation about the y axis."""
     return (0.0, sin(angle / 2), 0.0, cos(angle / 2))

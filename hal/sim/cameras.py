@@ -10,22 +10,29 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from math import ceil, floor, isfinite, pi, tan
+from math import ceil, floor, isfinite, pi
 from typing import TYPE_CHECKING, Any
 
 from hal.rendering import Pose, Renderer, open_renderer
 from hal.sim.physics import STEP, State
 from hal.vehicle import Frame, Intrinsics
 from vencejo.errors import UserError, nearest
-from vencejo.geometry import Point, Quaternion, about_x, about_y, product, turned, yaw_quaternion
+from vencejo.geometry import (
+    OPTICAL,
+    Point,
+    Quaternion,
+    about_x,
+    about_y,
+    product,
+    turned,
+    yaw_quaternion,
+)
 from worlds.model import World
 from worlds.things import Thing
 
 if TYPE_CHECKING:
     from hal.sim.optics import Optics
 
-_OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
-"""Optical axes (x right, y down, z out) of a camera that looks ahead, in FLU axes."""
 _SLOWEST, _FASTEST = 1.0, 240.0
 """Pictures per second: a picture needs a physics step of its own."""
 _STEPS_PER_SECOND = round(1 / STEP)
@@ -64,16 +71,13 @@ class CameraSpec:
 
     @cached_property
     def intrinsics(self) -> Intrinsics:
-        """Square pixels; the optical axis meets the middle of the picture."""
-        focal = self.width / 2 / tan(self.view / 2)
-        middle = (self.width - 1) / 2, (self.height - 1) / 2
-        return Intrinsics(self.width, self.height, focal, focal, *middle, self.distortion)
+        return Intrinsics.of_view(self.width, self.height, self.view, self.distortion)
 
     @cached_property
     def attitude(self) -> Quaternion:
         """Optical axes in the body's."""
         down = product(about_y(self.tilt), about_x(self.roll))
-        return product(product(yaw_quaternion(self.pan), down), _OPTICAL)
+        return product(product(yaw_quaternion(self.pan), down), OPTICAL)
 
 
 FRONT = CameraSpec(at=Point(0.2, 0.0, 0.02))
