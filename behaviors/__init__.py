@@ -19,7 +19,7 @@ from behaviors.pilot import Pilot
 from behaviors.trust import trusted
 from behaviors.vocabulary import drone_vocabulary
 from behaviors.watch import Thresholds
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from vencejo.geometry import Point
 
 __all__ = [

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from behaviors.params import type_of
-from fsm.vocabulary import Function, Parameter
+from fsm.host import Function, Parameter
 
 F = TypeVar("F", bound=Callable[..., Any])
 _MARK = "_vencejo_action"

@@ -9,9 +9,9 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from fsm.functions import EvaluationError
-from fsm.vocabulary import Behavior as BehaviorInfo
-from fsm.vocabulary import Outcome
+from fsm.host import Behavior as BehaviorInfo
+from fsm.host import Outcome
+from fsm.values.functions import EvaluationError
 from hal.vehicle import Observation
 
 Post = Callable[[str, Mapping[str, Any]], None]

@@ -12,8 +12,8 @@ from random import Random
 from typing import Any
 
 from behaviors.params import Face, Heading, Waypoint
-from fsm.functions import EvaluationError, shown
-from fsm.types import AREA, HEADING, POINT, ROUTE, Type
+from fsm.values.functions import EvaluationError, shown
+from fsm.values.types import AREA, HEADING, POINT, ROUTE, Type
 from hal.vehicle import (
     PERIOD,
     Camera,

@@ -9,7 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.leg import Approach, Arrival, Blocked, Leg
 from behaviors.params import BehaviorParams, Heading, live, param
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from vencejo.geometry import Point
 
 

@@ -9,7 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.guidance import NEARBY, Reference, yaw_towards
 from behaviors.params import BehaviorParams, Heading, live
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from vencejo.geometry import Point, distance
 
 SPEED = 1.0

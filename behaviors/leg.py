@@ -11,7 +11,7 @@ from behaviors.flight import Flight
 from behaviors.guidance import NEARBY, Reference, yaw_towards
 from behaviors.orders import EPSILON
 from behaviors.params import Heading, value
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from hal.vehicle import Position
 from vencejo.geometry import Point, distance, wrap
 

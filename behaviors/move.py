@@ -8,7 +8,7 @@ from typing import ClassVar
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.params import BehaviorParams, live
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from hal.vehicle import Velocity
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from behaviors.flight import Flight
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from hal.vehicle import Order
 
 EPSILON = 1e-9

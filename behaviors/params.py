@@ -11,7 +11,8 @@ from math import inf
 from operator import or_
 from typing import Any, ClassVar
 
-from fsm.types import (
+from fsm.host import Parameter
+from fsm.values.types import (
     ANY,
     AREA,
     BOOL,
@@ -23,7 +24,6 @@ from fsm.types import (
     Text,
     Type,
 )
-from fsm.vocabulary import Parameter
 from vencejo.geometry import Point
 from vencejo.units import UNITS, Dimension, in_unit
 

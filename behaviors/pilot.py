@@ -16,10 +16,10 @@ from behaviors.activity import DroneActivity, story
 from behaviors.flight import Flight, MissionFrame
 from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
-from fsm.functions import EvaluationError
-from fsm.graph import Graph
-from fsm.machine import Instance
-from fsm.vocabulary import Behavior
+from fsm.chart.graph import Graph
+from fsm.engine.instance import Instance
+from fsm.host import Behavior
+from fsm.values.functions import EvaluationError
 from hal.vehicle import Hold, Order, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point, distance

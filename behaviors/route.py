@@ -11,7 +11,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.leg import Arrival, Blocked, Leg
 from behaviors.params import BehaviorParams, Heading, Route, Waypoint, param, value
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 from vencejo.geometry import Point
 
 

@@ -8,9 +8,9 @@ from typing import Any
 from behaviors.flight import MissionFrame
 from behaviors.pilot import Pilot
 from behaviors.watch import Thresholds
-from fsm.graph import Graph
-from fsm.packing import pack, unpack
-from fsm.saving import TORN, load, save
+from fsm.chart.graph import Graph
+from fsm.engine.saving import TORN, load, save
+from fsm.values.packing import pack, unpack
 from hal.vehicle import Position, Vehicle
 from vencejo.errors import UserError
 from vencejo.geometry import Point
@@ -45,7 +45,10 @@ def resume_flight(
     geographic: tuple[float, float, float] | None = None,
     thresholds: Thresholds | None = None,
 ) -> Pilot:
-    """A pilot that goes on with a saved flight. Raises UserError (see fsm.saving.restore)."""
+    """A pilot that goes on with a saved flight.
+
+    Raises UserError (see fsm.engine.saving.restore).
+    """
     known = saved.get("pilot")
     if not isinstance(known, Mapping) or known.keys() != PARTS:
         raise _torn()

@@ -9,7 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.orders import Waiting
 from behaviors.params import BehaviorParams, param
-from fsm.vocabulary import Outcome
+from fsm.host import Outcome
 
 
 class Takeoff(Behavior):

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from behaviors.catalog import Catalog
-from fsm.types import BOOL, POINT, TEXT, MapOf, Number, Type
-from fsm.vocabulary import Behavior, Function, Reaction, Vocabulary
+from fsm.host import Behavior, Function, Reaction, Vocabulary
+from fsm.values.types import BOOL, POINT, TEXT, MapOf, Number, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point
 from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME

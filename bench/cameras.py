@@ -30,7 +30,7 @@ from cli.flight import Plan, fly
 from cli.prepare import prepare
 from cli.recorder import Recorder
 from fsm import parse_parameters
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from hal.rendering import RENDERERS, Pose, open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError

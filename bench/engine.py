@@ -25,7 +25,7 @@ from bench.latency import CHART, started
 from bench.latency_peers import microseconds
 from bench.machine import machine
 from fsm import Graph, Vocabulary, compile_mission, read_mission, read_mission_text
-from fsm.types import MapOf, Number
+from fsm.values.types import MapOf, Number
 from vencejo.units import LENGTH, RATIO
 
 Fire = Callable[[], Any]

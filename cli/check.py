@@ -15,7 +15,7 @@ from cli.fleet import check_fleet_file
 from cli.options import MissionName
 from cli.prepare import prepare
 from fsm import Graph
-from fsm.reader import FLEET
+from fsm.language.reader import FLEET
 from hal import backend_capabilities
 from vencejo.errors import Fault, UserError
 

@@ -16,7 +16,7 @@ from behaviors import MissionFrame, Pilot
 from cli.pace import Pace
 from cli.prepare import Prepared
 from cli.recorder import Recorder, file_hash
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from hal import Options, open_backend
 from hal.vehicle import Observation
 from vencejo.errors import UserError

@@ -72,7 +72,7 @@ def _about(path: Path) -> tuple[str, bool]:
     """What a mission's file says of itself, and whether it is a fleet."""
     from fsm import read_mission
     from fsm.fleet import read_fleet
-    from fsm.reader import FLEET
+    from fsm.language.reader import FLEET
 
     try:
         return read_mission(path).description, False

@@ -11,9 +11,9 @@ from behaviors.catalog import Own
 from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
+from fsm.host import Vocabulary
+from fsm.language.spec import StateSpec
 from fsm.scxml import Element, import_mission, is_mission, load_document, read_document
-from fsm.spec import StateSpec
-from fsm.vocabulary import Vocabulary
 from vencejo.errors import Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world

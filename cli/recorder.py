@@ -18,7 +18,7 @@ from typing import Any
 from behaviors import Pilot
 from cli.appending import AppendedFile, as_json, encode, writing
 from cli.frames import FrameFiles
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from hal.vehicle import Frame, Observation
 from vencejo.errors import UserError, Where
 from vencejo.geometry import roll_pitch_of

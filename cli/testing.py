@@ -19,7 +19,7 @@ from fsm import (
     read_mission,
     read_mission_text,
 )
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from vencejo.geometry import Point, distance
 
 

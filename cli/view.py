@@ -17,8 +17,8 @@ from rich.text import Text
 from behaviors import Pilot
 from cli.sketch import Sketch
 from fsm import Graph, Node
-from fsm.functions import as_text
-from fsm.machine import Record
+from fsm.engine.instance import Record
+from fsm.values.functions import as_text
 from vencejo.geometry import Point
 
 REFRESH = 0.1

@@ -20,7 +20,7 @@ from cli.recorder import Recorder
 from cli.view import LiveView
 from fsm import parse_parameters
 from fsm.drawing import write_svg
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from worlds import find_world, world_names
 
 IMAGES = Path(__file__).parent / "images"

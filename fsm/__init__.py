@@ -1,12 +1,12 @@
 """Hierarchical state graphs: the YAML language, its checker and its runtime. Knows no drones."""
 
-from fsm.compiler import compile_mission, parse_parameters
-from fsm.graph import Edge, Graph, Node
-from fsm.includes import read_mission, read_mission_text
-from fsm.machine import Event, Instance
-from fsm.safety import prove
-from fsm.spec import MissionSpec
-from fsm.vocabulary import Activity, Behavior, Host, Outcome, Parameter, Vocabulary
+from fsm.chart.graph import Edge, Graph, Node
+from fsm.checks.safety import prove
+from fsm.compiler.mission import compile_mission, parse_parameters
+from fsm.engine.instance import Event, Instance
+from fsm.host import Activity, Behavior, Host, Outcome, Parameter, Vocabulary
+from fsm.language.includes import read_mission, read_mission_text
+from fsm.language.spec import MissionSpec
 
 __all__ = [
     "Activity",

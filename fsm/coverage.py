@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from fsm.graph import Edge, Graph, Node
+from fsm.chart.graph import Edge, Graph, Node
 
 
 @dataclass

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from fsm.expressions import compile_expression
+from fsm.chart.graph import Graph
+from fsm.compiler.parameters import constant_value
+from fsm.expressions.compiled import compile_expression
+from fsm.expressions.literals import Context
+from fsm.expressions.scope import TIME_SLOT, Binding, Scope, start
 from fsm.faults import Faults
-from fsm.graph import Graph
-from fsm.includes import read_mission
-from fsm.literals import Context
-from fsm.parameters import constant_value
-from fsm.scope import TIME_SLOT, Binding, Scope, start
-from fsm.spec import MissionSpec
-from fsm.types import ANY, BOOL, MapOf, Number
-from fsm.words import SMALL_NAME
+from fsm.language.includes import read_mission
+from fsm.language.keys import SMALL_NAME
+from fsm.language.spec import MissionSpec
+from fsm.values.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode

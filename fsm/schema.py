@@ -10,11 +10,10 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
+from fsm.compiler.parameters import PARAMETER_KEYS
 from fsm.fleet import FLEET_KEYS, VEHICLE_KEYS
-from fsm.parameters import PARAMETER_KEYS
-from fsm.types import NAMED, Bool, HeadingType, ListOf, MapOf, Number, PointType, Text, Type
-from fsm.vocabulary import Behavior, Parameter, Vocabulary
-from fsm.words import (
+from fsm.host import Behavior, Parameter, Vocabulary
+from fsm.language.keys import (
     ACTIONS,
     EVENT_NAME,
     FINAL_KEYS,
@@ -27,6 +26,7 @@ from fsm.words import (
     TRANSITION_KEYS,
     TRIGGER,
 )
+from fsm.values.types import NAMED, Bool, HeadingType, ListOf, MapOf, Number, PointType, Text, Type
 
 Schema = dict[str, Any]
 

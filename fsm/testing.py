@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Self
 
-from fsm.graph import Graph
-from fsm.machine import Instance, Record
-from fsm.types import Bool, ListOf, MapOf, Number, PointType, Text, Type
-from fsm.vocabulary import Behavior, Outcome
+from fsm.chart.graph import Graph
+from fsm.engine.instance import Instance, Record
+from fsm.host import Behavior, Outcome
+from fsm.values.types import Bool, ListOf, MapOf, Number, PointType, Text, Type
 from vencejo.errors import nearest
 from vencejo.geometry import Point
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil
 
+from fsm.chart.graph import Node
 from fsm.drawing.channels import Net, route
 from fsm.drawing.picture import XY
 from fsm.drawing.placing import BORDER, PORT_GAP, place
@@ -13,7 +14,6 @@ from fsm.drawing.rows import Item, Key, Rows, Terminal, Wires, layers_of
 from fsm.drawing.widths import text_width
 from fsm.drawing.wiring import Leg, Wire, toward
 from fsm.drawing.words import edges_label, node_lines
-from fsm.graph import Node
 
 NAME_SIZE, LINE_SIZE, LABEL_SIZE = 13.0, 11.0, 11.0
 NAME_HEIGHT, LINE_HEIGHT = 18.0, 15.0

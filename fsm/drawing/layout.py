@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+from fsm.chart.graph import Graph, Node
 from fsm.drawing.inside import BESIDE, LABEL_SIZE, LINE_HEIGHT, PAD, Inside, lay_out
 from fsm.drawing.picture import XY, Box, Label, Line, Picture
 from fsm.drawing.widths import text_width
 from fsm.drawing.wiring import Leg, Wire, wires_of
 from fsm.drawing.words import edge_text, node_title
-from fsm.graph import Graph, Node
 
 MARGIN = 12.0
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fsm.chart.graph import Graph, Node
 from fsm.drawing.words import edge_label, node_lines, stays
-from fsm.graph import Graph, Node
 
 _OTHERS = str.maketrans('";#:{}<>\\', "',＃∶()＜＞＼")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fsm.chart.graph import Graph, Node
 from fsm.drawing.words import action_text, edge_text
-from fsm.graph import Graph, Node
 
 
 def write_text(graph: Graph) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fsm.spec import StateType
+from fsm.language.spec import StateType
 
 XY = tuple[float, float]
 

@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from fsm.graph import Node
+from fsm.chart.graph import Node
 
 Kind = Literal["head", "dot", "box", "label", "way", "port"]
 Key = Hashable

@@ -6,10 +6,10 @@ import html
 from collections.abc import Collection, Iterator, Sequence
 from itertools import pairwise
 
+from fsm.chart.graph import Graph
 from fsm.drawing.inside import LABEL_SIZE, LINE_HEIGHT, LINE_SIZE, NAME_SIZE, PAD
 from fsm.drawing.layout import draw
 from fsm.drawing.picture import XY, Box, Line, Picture
-from fsm.graph import Graph
 from vencejo.markup import ILLEGAL
 
 ROUND = 6.0

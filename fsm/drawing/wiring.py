@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fsm.chart.graph import Edge, Node
 from fsm.drawing.rows import Key
 from fsm.drawing.words import stays
-from fsm.graph import Edge, Node
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fsm.graph import Action, Edge, Node
+from fsm.chart.graph import Action, Edge, Node
 from vencejo import nodes
 
 SHORT = 34

@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from fsm.event import Event
-from fsm.expressions import Compiled, Function
+from fsm.chart.graph import Action
+from fsm.engine.events import Event
+from fsm.expressions.compiled import Compiled, Function
 from fsm.faults import Faults
-from fsm.functions import LOOP_BUDGET, Budget, EvaluationError, shown
-from fsm.graph import Action
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import (
     Names,
@@ -20,7 +19,8 @@ from fsm.scxml.ecmascript import (
     compile_value,
 )
 from fsm.scxml.values import text_of
-from fsm.types import ANY
+from fsm.values.functions import LOOP_BUDGET, Budget, EvaluationError, shown
+from fsm.values.types import ANY
 from vencejo.errors import UserError, Where, nearest
 
 _DELAY = re.compile(r"\s*(\d{1,12}(?:\.\d*)?|\.\d+)\s*(ms|s)\s*")

@@ -15,10 +15,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from fsm.expressions import Function
-from fsm.functions import bounded, number, power
-from fsm.scope import CONFIGURATION_SLOT
+from fsm.expressions.compiled import Function
+from fsm.expressions.scope import CONFIGURATION_SLOT
 from fsm.scxml.values import LEVELS, MATH, OPERATORS, item, member, truth
+from fsm.values.functions import bounded, number, power
 from vencejo.errors import UserError, Where, nearest
 
 MAX_LENGTH = 1000

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from fsm.includes import mission_of
+from fsm.language.includes import mission_of
+from fsm.language.spec import MissionSpec
 from fsm.scxml.document import Element
 from fsm.scxml.writer import DATAMODEL
-from fsm.spec import MissionSpec
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Node, Scalar, Sequence, read_text
 

@@ -13,18 +13,18 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
-from fsm.expressions import Compiled, constant
+from fsm.chart.graph import Data, Edge, Graph, Guard, Node
+from fsm.checks.structure import dead_alternatives, endless_always, endless_states, unreachable
+from fsm.compiler.tree import domain_of
+from fsm.expressions.compiled import Compiled, constant
+from fsm.expressions.scope import FIRST_HOST_SLOT
 from fsm.faults import Faults
-from fsm.graph import Data, Edge, Graph, Guard, Node
-from fsm.scope import FIRST_HOST_SLOT
+from fsm.host import Vocabulary
+from fsm.language.spec import StateType
 from fsm.scxml.content import Content, needed
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import Names, assigned_names, compile_value
-from fsm.shape import dead_alternatives, endless_always, endless_states, unreachable
-from fsm.spec import StateType
-from fsm.tree import domain_of
-from fsm.types import ANY
-from fsm.vocabulary import Vocabulary
+from fsm.values.types import ANY
 from vencejo.errors import Fault, UserError, Where, nearest
 
 VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fsm.machine import Instance
-from fsm.waiting import EPSILON
+from fsm.engine.instance import Instance
+from fsm.engine.waiting import EPSILON
 
 MAX_PERIODS = 10_000
 

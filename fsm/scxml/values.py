@@ -7,7 +7,7 @@ import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from fsm.functions import EvaluationError, bounded, number, power, shown
+from fsm.values.functions import EvaluationError, bounded, number, power, shown
 
 MATH: Mapping[str, tuple[int, int, Callable[..., Any]]] = {
     "abs": (1, 1, abs),

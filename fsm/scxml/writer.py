@@ -12,10 +12,10 @@ import json
 import re
 from xml.etree import ElementTree as Xml
 
+from fsm.compiler.tree import Tree
 from fsm.faults import Faults
+from fsm.language.spec import MissionSpec
 from fsm.scxml.document import OURS, SCXML
-from fsm.spec import MissionSpec
-from fsm.tree import Tree
 from vencejo.errors import UserError, Where
 from vencejo.markup import ILLEGAL
 from vencejo.nodes import Mapping, Node, Scalar, Sequence

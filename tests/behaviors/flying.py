@@ -9,7 +9,7 @@ from typing import Any
 from behaviors import Catalog, Flight, MissionFrame, Pilot, drone_vocabulary
 from behaviors.activity import DroneActivity
 from fsm import Behavior, Outcome, compile_mission, read_mission_text
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from hal.fake import FakeSession, FakeVehicle
 from hal.vehicle import PERIOD, Setpoint
 from vencejo.geometry import Point

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from behaviors import Face, Flight, MissionFrame, Waypoint
-from fsm.functions import EvaluationError
-from fsm.types import ANY, AREA, HEADING, POINT, ROUTE
+from fsm.values.functions import EvaluationError
+from fsm.values.types import ANY, AREA, HEADING, POINT, ROUTE
 from hal.fake import FakeVehicle
 from hal.vehicle import Frame, Hold, Intrinsics, Position, Velocity
 from tests.behaviors.flying import airborne

@@ -23,7 +23,7 @@ from behaviors import (
 )
 from behaviors.behavior import name_of
 from behaviors.params import fields_of, parameters_of
-from fsm.types import ANY, AREA, BOOL, HEADING, POINT, ROUTE, ListOf, Number, Text
+from fsm.values.types import ANY, AREA, BOOL, HEADING, POINT, ROUTE, ListOf, Number, Text
 from vencejo.units import ANGLE, LENGTH, SPEED, TIME
 
 

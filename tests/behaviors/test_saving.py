@@ -9,7 +9,7 @@ import pytest
 
 from behaviors.activity import DroneActivity
 from behaviors.saving import resume_flight, save_flight
-from fsm.packing import pack, unpack
+from fsm.values.packing import pack, unpack
 from tests.behaviors.flying import Rig, Solo
 from vencejo.errors import UserError
 from vencejo.geometry import distance

@@ -11,7 +11,7 @@ from cli.flight import Plan, fly
 from cli.prepare import prepare
 from cli.recorder import Recorder
 from fsm import parse_parameters
-from fsm.machine import Record
+from fsm.engine.instance import Record
 
 
 class _Reader:

@@ -21,7 +21,7 @@ from cli.frames import FrameFiles
 from cli.prepare import prepare
 from cli.recorder import Recorder
 from fsm import parse_parameters
-from fsm.machine import Record
+from fsm.engine.instance import Record
 from hal.vehicle import Frame, Intrinsics
 from tests.cli.run_cli import run_cli
 from vencejo.errors import UserError

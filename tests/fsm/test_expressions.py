@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsm.expressions import compile_expression
-from fsm.functions import FAILURES
-from fsm.scope import Binding, Define, Scope
-from fsm.types import ANY, BOOL, POINT, TEXT, ListOf, MapOf, Number, Text, Type
+from fsm.expressions.compiled import compile_expression
+from fsm.expressions.scope import Binding, Define, Scope
+from fsm.values.functions import FAILURES
+from fsm.values.types import ANY, BOOL, POINT, TEXT, ListOf, MapOf, Number, Text, Type
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point
 from vencejo.nodes import Scalar

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from behaviors import drone_vocabulary, load_all, trusted
 from fsm import Graph, compile_mission, prove, read_mission_text
 from fsm.faults import Faults
-from fsm.functions import FAILURES
+from fsm.values.functions import FAILURES
 from tests.fsm.toy import Run, faults_of
 from vencejo.errors import Fault, UserError
 from vencejo.nodes import Scalar, read_text

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fsm.conversion import convert, converted
-from fsm.functions import FAILURES, EvaluationError
-from fsm.literals import Context, read_value
-from fsm.scope import Binding, Scope
-from fsm.types import (
+from fsm.expressions.literals import Context, read_value
+from fsm.expressions.scope import Binding, Scope
+from fsm.values.conversion import convert, converted
+from fsm.values.functions import FAILURES, EvaluationError
+from fsm.values.types import (
     ANY,
     AREA,
     BOOL,

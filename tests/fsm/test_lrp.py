@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from fsm import Behavior, Graph, Parameter, Vocabulary, compile_mission, read_mission
-from fsm.types import BOOL, TEXT, MapOf, Number
-from fsm.vocabulary import Function
+from fsm.host import Function
+from fsm.values.types import BOOL, TEXT, MapOf, Number
 from tests.fsm.toy import Run
 from vencejo.units import ANGLE, FREQUENCY, LENGTH, RATIO, SPEED, TURN_RATE
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from behaviors import drone_vocabulary
-from fsm import compile_mission, exploration, prove, read_mission
+from fsm import compile_mission, prove, read_mission
+from fsm.checks import exploration
 from tests.fsm.toy import VOCABULARY, graph_of, shown
 
 HOST = replace(VOCABULARY, must_land=("link.lost",))

@@ -15,10 +15,10 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from fsm.graph import Graph
-from fsm.packing import pack, unpack
-from fsm.saving import read_saved, restore, save, write_saved
+from fsm.chart.graph import Graph
+from fsm.engine.saving import read_saved, restore, save, write_saved
 from fsm.scxml import advance, load_document, parse_document
+from fsm.values.packing import pack, unpack
 from tests.fsm.toy import Run, graph_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point
@@ -390,7 +390,7 @@ def test_a_file_that_is_not_there_and_a_place_that_cannot_be_written(tmp_path: P
 WRITER = """
 import sys
 from pathlib import Path
-from fsm.saving import save, write_saved
+from fsm.engine.saving import save, write_saved
 from tests.fsm.test_saving import ROUND, SCRIPT
 from tests.fsm.toy import Run
 run = Run(ROUND, SCRIPT)

@@ -17,7 +17,7 @@ from fsm import (
     compile_mission,
     read_mission_text,
 )
-from fsm.types import ANY, BOOL, HEADING, POINT, ROUTE, TEXT, ListOf, MapOf, Number, Text
+from fsm.values.types import ANY, BOOL, HEADING, POINT, ROUTE, TEXT, ListOf, MapOf, Number, Text
 from vencejo.errors import Fault, UserError
 from vencejo.geometry import Point
 from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME

@@ -1,0 +1,60 @@
+"""Which transitions are taken together: SCXML's selection and conflicts.
+
+Functions of a configuration alone (W3C recommendation of 2015, appendix D).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from fsm.chart.graph import Edge, Node
+
+
+def select(
+    leaves: Iterable[Node], choose: Callable[[Node], Edge | None], outer_first: bool
+) -> list[Edge]:
+    """For each active leaf the first transition of the states around it, without conflicts.
+
+    ``choose`` gives the transition that a state offers; it is asked once for each state.
+    """
+    picked: list[Edge] = []
+    asked: dict[int, Edge | None] = {}
+    for leaf in leaves:
+        for node in chain(leaf, outer_first):
+            if node.index not in asked:
+                asked[node.index] = choose(node)
+            edge = asked[node.index]
+            if edge is not None:
+                if edge not in picked:
+                    picked.append(edge)
+                break
+    return without_conflicts(picked, outer_first) if len(picked) > 1 else picked
+
+
+def chain(node: Node, outer_first: bool) -> Sequence[Node]:
+    """A state and those around it, in the order in which they are asked."""
+    around = (node, *node.ancestors)
+    return around[::-1] if outer_first else around
+
+
+def without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
+    """Of two whose exit sets meet the inner one stays, else the earlier."""
+    kept: list[Edge] = []
+    for edge in edges:
+        beaten: list[Edge] = []
+        for other in kept:
+            if not _in_conflict(edge, other):
+                continue
+            if outer_first or not other.node.contains(edge.node):
+                break
+            beaten.append(other)
+        else:
+            kept = [other for other in kept if other not in beaten] + [edge]
+    return kept
+
+
+def _in_conflict(a: Edge, b: Edge) -> bool:
+    """Whether the exit sets of two transitions can meet."""
+    if a.domain is None or b.domain is None:
+        return False
+    return a.domain is b.domain or a.domain.contains(b.domain) or b.domain.contains(a.domain)

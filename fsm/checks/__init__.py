@@ -1,0 +1,1 @@
+"""What a finished graph must fulfil before it may fly."""

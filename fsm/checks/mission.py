@@ -1,0 +1,308 @@
+"""What a compiled mission must fulfil before it may fly: handled outcomes, ways out, one pilot."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from functools import partial
+
+from fsm.chart.entry_sets import default_entry
+from fsm.chart.graph import Edge, Graph, Node
+from fsm.checks.structure import (
+    dead_alternatives,
+    endless_always,
+    endless_states,
+    leaves,
+    unreachable,
+)
+from fsm.host import Vocabulary, matches
+from vencejo.errors import Fault
+
+PERIOD = 0.025
+"""Seconds of one mission period."""
+
+
+def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
+    """Every fault of the structure; errors would keep it from flying, warnings would not.
+
+    ``flawed`` are states that have a fault in their transitions already: what may only follow from
+    that is not told.
+    """
+    missed = (*_unhandled_outcomes(graph), *endless_states(graph, _can_finish))
+    doubtful = {node.where for node in graph.nodes if _in_doubt(node, flawed)}
+    return [
+        *(fault for fault in missed if fault.where not in doubtful),
+        *(() if flawed else (*unreachable(graph), *_never_done(graph))),
+        *_companions(graph),
+        *_two_owners(graph),
+        *_region_restarts(graph),
+        *dead_alternatives(graph, partial(_covers, graph.vocabulary)),
+        *endless_always(graph),
+        *_durations(graph),
+        *_final_regions(graph),
+        *_restarting_histories(graph),
+        *_always_on_the_world(graph),
+        *_hidden_handlers(graph),
+        *_left_landings(graph),
+    ]
+
+
+def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:
+    """Whether a flawed state may be the one that hears what this one ends with, or leaves it."""
+    if not flawed:
+        return False
+    around = (node, *node.ancestors)
+    return any(place in flawed or place.type == "parallel" for place in around)
+
+
+def _handles(node: Node, word: str, graph: Graph) -> tuple[Edge, ...]:
+    return node.edges_for(word, graph.vocabulary)
+
+
+def _unhandled_outcomes(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        words = set(node.invocation.behavior.outcomes) if node.invocation else set()
+        if node.children:
+            words.discard("done")  # not allowed there: see `_companions`
+        if node.type == "compound" and node.parent is not None:
+            words |= _ends(node)
+        finishes = node.type == "parallel" and _can_finish(node)
+        if finishes and node.parent is not None and node.owner is node:
+            words.add("done")
+        for word in sorted(words - {"failed"}):
+            chain = (node,) if word == "done" else tuple(node.outwards())
+            edges = [edge for around in chain for edge in _handles(around, word, graph)]
+            region = node.parent is not None and node.parent.type == "parallel"
+            if not edges and not (word == "done" and region):
+                what = (
+                    f"'{node.invocation.behavior.name}' ends"
+                    if node.invocation
+                    else "this state ends"
+                )
+                yield Fault(
+                    "unhandled-outcome",
+                    f"{what} with '{word}', and nothing in '{node.path}' says what comes then",
+                    node.where,
+                    f"on: {{{word}: …}}"
+                    + ("" if word == "done" else ", here or in a state around it"),
+                )
+            elif edges and all(edge.guard is not None for edge in edges):
+                yield Fault(
+                    "guarded-outcome",
+                    f"every way out of '{word}' has a guard: none may pass",
+                    edges[-1].where,
+                    "end the list with an alternative without guard",
+                )
+
+
+def _ends(node: Node) -> set[str]:
+    """The outcomes that the children of a compound state give it."""
+    if node.owner is not node:
+        return set()
+    while node.children and node.children[0].border:
+        (node,) = node.children
+    if node.type == "parallel":
+        return {"done"} if _can_finish(node) else set()
+    return {child.outcome for child in node.children if child.type == "final"}
+
+
+def _can_finish(node: Node) -> bool:
+    if node.children and node.children[0].border:
+        return _can_finish(node.children[0])
+    if node.type == "parallel":
+        return all(map(_can_finish, default_entry(node)))
+    if node.children:
+        return any(child.type == "final" for child in node.children)
+    if node.invocation is None:
+        return False
+    return node.invocation.behavior.on_trust or "done" in node.invocation.behavior.outcomes
+
+
+def _companions(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        if node.children and node.invocation and "done" in node.invocation.behavior.outcomes:
+            yield Fault(
+                "ending-companion",
+                f"'{node.invocation.behavior.name}' ends by itself and cannot accompany states",
+                node.where,
+                "`done` of a state with `states` means its children; move it into one of them",
+            )
+
+
+def _controls(node: Node) -> set[str]:
+    return set(node.invocation.behavior.controls) if node.invocation else set()
+
+
+def _two_owners(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        for ancestor in node.ancestors:
+            for shared in sorted(_controls(node) & _controls(ancestor)):
+                yield _owners(node, ancestor, shared)
+        if node.type != "parallel":
+            continue
+        seen: dict[str, Node] = {}
+        for region in default_entry(node):
+            own: dict[str, Node] = {}
+            for inner in graph.nodes[region.index : region.last + 1]:
+                own.update(dict.fromkeys(_controls(inner), inner))
+            for shared in sorted(set(own) & set(seen)):
+                yield _owners(own[shared], seen[shared], shared)
+            seen.update(own)
+
+
+def _owners(a: Node, b: Node, what: str) -> Fault:
+    return Fault(
+        "two-owners",
+        f"'{a.path}' and '{b.path}' can be active together and both control the {what}",
+        a.where,
+        "only one behaviour at a time may",
+    )
+
+
+def _region_restarts(graph: Graph) -> Iterator[Fault]:
+    """Three targets whose W3C meaning restarts sibling regions."""
+    for node in graph.nodes:
+        for edge in node.edges():
+            if edge.reenter or edge.domain is None:
+                continue
+            for parallel in (node, *node.ancestors):
+                if (
+                    parallel.type == "parallel"
+                    and any(parallel.contains(target) for target in edge.targets)
+                    and edge.domain is not None
+                    and not parallel.contains(edge.domain)
+                ):
+                    yield Fault(
+                        "region-restart",
+                        f"this target restarts all regions of '{parallel.path}'",
+                        edge.where,
+                        "say so with `reenter: true`, or choose a target inside the region",
+                    )
+                    break
+
+
+def _durations(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        seen: dict[float, str] = {}
+        for after in node.afters:
+            if not after.duration.constant:
+                continue
+            seconds = float(after.duration.value())
+            if seconds < PERIOD:
+                yield Fault(
+                    "short-duration",
+                    f"'{after.duration.source}' is shorter than a mission period (25 ms)",
+                    after.duration.where,
+                    "it is taken in the first period after the state was entered",
+                    severity="warning",
+                )
+            if seconds in seen:
+                yield Fault(
+                    "equal-durations",
+                    f"'{after.duration.source}' is the same as '{seen[seconds]}'",
+                    after.duration.where,
+                    "write one duration with a list of alternatives",
+                )
+            seen[seconds] = after.duration.source
+
+
+def _final_regions(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        if node.type == "final" and node.parent is not None and node.parent.type == "parallel":
+            yield Fault(
+                "final-region",
+                f"'{node.path}' is a region, and a region cannot be final",
+                node.where,
+                "put it inside a region, or the parallel state inside another one",
+            )
+
+
+def _never_done(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        if node.type == "parallel" and not _can_finish(node):
+            for pattern, edges in node.on:
+                endless = next(r for r in default_entry(node) if not _can_finish(r))
+                if pattern == "done" and edges:
+                    yield Fault(
+                        "never-done",
+                        f"'{node.path}' is never done: its region '{endless.path}' has no end",
+                        edges[0].where,
+                        "give that region a final state, or leave on something else",
+                    )
+
+
+def _restarting_histories(graph: Graph) -> Iterator[Fault]:
+    """A history reached only from inside: its state is not left, so it has nothing to give back."""
+    for history in graph.nodes:
+        parent = history.parent
+        if history.type != "history" or parent is None or not history.initial:
+            continue
+        edges = [edge for node in graph.nodes for edge in node.edges() if history in edge.targets]
+        if edges and all(edge.domain is parent or edge.domain is None for edge in edges):
+            yield Fault(
+                "empty-history",
+                f"'{parent.path or graph.name}' is not left on the way to '{history.path}', "
+                "so its history remembers nothing",
+                edges[0].where,
+                "put the states that are to be remembered inside a state of their own, and the "
+                "history with them",
+                severity="warning",
+            )
+
+
+def _always_on_the_world(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        for edge in node.always:
+            if edge.guard and edge.guard.reads & {"host", "published", "entered"}:
+                yield Fault(
+                    "always-on-the-world",
+                    f"'{edge.guard.source}' is not tested again because the world changes",
+                    edge.guard.where,
+                    "`always` is for choices; to wait for a condition write it under `when`",
+                    severity="warning",
+                )
+
+
+def _hidden_handlers(graph: Graph) -> Iterator[Fault]:
+    """An inner state that takes an urgent event before an outer one can."""
+    if graph.outer_first:
+        return
+    for node in graph.nodes:
+        for event, edges in node.on:
+            if not edges or not graph.vocabulary.is_urgent(event):
+                continue
+            for outer in node.ancestors:
+                if outer.edges_for(event, graph.vocabulary):
+                    yield Fault(
+                        "hidden-handler",
+                        f"'{event}' is taken here before '{outer.path or graph.name}' hears of it",
+                        edges[0].where,
+                        "remove one of the two handlers",
+                        severity="warning",
+                    )
+                    break
+
+
+def _left_landings(graph: Graph) -> Iterator[Fault]:
+    """A landing that a transition of a state around it can break off."""
+    for node in graph.nodes:
+        if not (node.invocation and node.invocation.behavior.ends_landed):
+            continue
+        for outer in node.ancestors:
+            for edge in outer.edges():
+                outcome = edge.kind == "on" and "." not in edge.trigger
+                if not outcome and leaves(edge, node):
+                    yield Fault(
+                        "left-landing",
+                        f"`{edge.kind} {edge.trigger}` can break off the landing in '{node.path}'",
+                        edge.where,
+                        "move the landing out of this state",
+                        severity="warning",
+                    )
+
+
+def _covers(vocabulary: Vocabulary, pattern: str, event: str) -> bool:
+    """Whether whatever ``event`` names is taken by ``pattern`` as well."""
+    if pattern == "*":
+        name = event.removesuffix(".*") + (".x" if event.endswith(".*") else "")
+        return not name.startswith("error.") and not vocabulary.is_urgent(name)
+    return matches(pattern, event)

@@ -1,0 +1,239 @@
+"""What each state of a graph can lead to when guards are ignored, as operations on bit masks.
+
+A mask has one bit for the index of each state. :mod:`fsm.checks.exploration` walks with these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple, TypeVar
+
+from fsm.chart.entry_sets import entry_set
+from fsm.chart.graph import Edge, Graph, Node
+from fsm.chart.selection import chain
+from fsm.checks.regions import regions_apart
+
+Task = tuple[str, int, int] | None
+"""What moves a configuration on: a behaviour or a timer; None for what comes at once."""
+T = TypeVar("T")
+
+
+class Effect(NamedTuple):
+    """What a transition does to a configuration."""
+
+    kept: int
+    kept_ended: int
+    entered: int
+
+
+class Course(NamedTuple):
+    """What one outcome of a behaviour or one timer may lead to."""
+
+    task: Task
+    unless: int
+    """It does not come when one of these has ended."""
+    mark: int
+    """What has ended then."""
+    effects: tuple[Effect | None, ...]
+    """None where the states stay as they are."""
+
+
+class Possibilities:
+    """What can happen in each state of a graph."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self.nodes = graph.nodes
+        self.apart = regions_apart(graph)
+        self.chains = [tuple(chain(node, graph.outer_first)) for node in graph.nodes]
+        """For each state those around it too, in the order in which they are asked."""
+        self._effects: dict[Edge, tuple[Effect, ...]] = {}
+        self._choices: dict[tuple[int, str], list[Edge | None]] = {}
+
+    @cached_property
+    def landing(self) -> int:
+        """The states that land, by themselves or by a state around them."""
+        return self.mask(
+            leaf
+            for leaf in self.nodes
+            if any(
+                n.invocation and n.invocation.behavior.ends_landed for n in (leaf, *leaf.ancestors)
+            )
+        )
+
+    @cached_property
+    def choosing(self) -> int:
+        """The states in or around which there is an ``always``."""
+        return self.mask(
+            leaf for leaf in self.nodes if any(n.always for n in (leaf, *leaf.ancestors))
+        )
+
+    @cached_property
+    def finals(self) -> int:
+        return self.mask(node for node in self.nodes if node.type == "final")
+
+    @cached_property
+    def ends(self) -> int:
+        """The final states that end the mission."""
+        return self.mask(
+            n for n in self.nodes if n.type == "final" and owner_of(n) is self.graph.root
+        )
+
+    @cached_property
+    def whole(self) -> Node | None:
+        """The parallel state, if any, whose end is the mission's."""
+        owned = (n for n in self.nodes if n.type == "parallel" and n.owner is self.graph.root)
+        return next(owned, None)
+
+    @cached_property
+    def happenings(self) -> list[tuple[Effect, ...]]:
+        """For each state, what events and conditions may do there and around it."""
+        here = [tuple(self._happenings(node)) for node in self.nodes]
+        return [self._around(leaf, here) for leaf in self.nodes]
+
+    @cached_property
+    def courses(self) -> list[tuple[Course, ...]]:
+        """For each state, what behaviours and timers there and around it may lead to."""
+        here = [(*self._outcomes(node), *self._timers(node)) for node in self.nodes]
+        return [self._around(leaf, here) for leaf in self.nodes]
+
+    def _around(self, leaf: Node, here: Sequence[tuple[T, ...]]) -> tuple[T, ...]:
+        if leaf.children:
+            return ()
+        found = (each for node in self.chains[leaf.index] for each in here[node.index])
+        return tuple(dict.fromkeys(found))
+
+    def _happenings(self, node: Node) -> Iterator[Effect]:
+        events = (edges for trigger, edges in node.on if "." in trigger or trigger == "*")
+        for edges in (*events, *(when.edges for when in node.whens)):
+            for edge in edges:
+                if edge.targets:
+                    yield from self.effects(edge)
+
+    def _outcomes(self, node: Node) -> Iterator[Course]:
+        if node.invocation is None:
+            return
+        for word in {**node.invocation.behavior.outcomes, "failed": None}:
+            mark = 1 << 2 * node.index + (word != "done")
+            effects: list[Effect | None] = []
+            for edge in self.choices(self.heard_by(node, word), word):
+                if edge is not None and edge.targets:
+                    effects += self.effects(edge)
+                elif edge is not None or word != "failed":
+                    effects.append(None)
+                # A `failed` that nobody takes is the host's, and lands.
+            yield Course(("do", node.index, 0), 3 << 2 * node.index, mark, tuple(effects))
+
+    def _timers(self, node: Node) -> Iterator[Course]:
+        for number, after in enumerate(node.afters):
+            edges = [edge for edge in until_unguarded(after.edges) if edge and edge.targets]
+            effects = tuple(effect for edge in edges for effect in self.effects(edge))
+            yield Course(("after", node.index, number), 0, 0, effects)
+
+    def effects(self, edge: Edge) -> tuple[Effect, ...]:
+        """What taking a transition does; several where history decides."""
+        found = self._effects.get(edge)
+        if found is None:
+            domain = edge.domain
+            if domain is None:
+                found = (Effect(-1, -1, 0),)
+            else:
+                first, size = domain.index + 1, domain.last - domain.index
+                left, left_ended = (1 << size) - 1 << first, (1 << 2 * size) - 1 << 2 * first
+                entered = self.entries(domain, edge.targets)
+                found = tuple(Effect(~left, ~left_ended, self.mask(nodes)) for nodes in entered)
+            self._effects[edge] = found
+        return found
+
+    def mask(self, nodes: Iterable[Node]) -> int:
+        """Those without states inside that are followed at all."""
+        found = 0
+        for node in nodes:
+            if not node.children and node.index not in self.apart:
+                found |= node.mask
+        return found
+
+    def entries(self, domain: Node, targets: tuple[Node, ...]) -> list[list[Node]]:
+        """What may be entered: a history state stands for any state it could remember."""
+        asked: dict[int, Node] = {}
+
+        def first(history: Node) -> tuple[Node, ...]:
+            asked[history.index] = history
+            return history.initial
+
+        entered = entry_set(domain, targets, first)
+        if not asked:
+            return [entered]
+        found = []
+        for picked in product(*(_remembered(history) for history in asked.values())):
+            memory = dict(zip(asked, picked, strict=True))
+            found.append(
+                entry_set(domain, targets, lambda h, memory=memory: memory.get(h.index, h.initial))  # type: ignore[misc]
+            )
+        return found
+
+    def choices(self, nodes: Sequence[Node], word: str) -> list[Edge | None]:
+        """Every transition that may take an event here; None where it may find nobody."""
+        found: list[Edge | None] = []
+        for node in nodes:
+            for edge in node.edges_for(word, self.graph.vocabulary):
+                found.append(edge)
+                if edge.guard is None:
+                    return found
+        return [*found, None]
+
+    def heard_by(self, owner: Node, word: str) -> Sequence[Node]:
+        """The states that an outcome is offered to; only `failed` climbs out of its graph."""
+        around = self.chains[owner.index]
+        if word == "done":
+            return (owner,)
+        if word == "failed":
+            return around
+        within = tuple(owner.outwards())
+        return [node for node in around if node in within]
+
+    def takers(self, event: str) -> int:
+        """The states without states inside, in or around which somebody may take an event."""
+        return self.mask(leaf for leaf in self.nodes if self.offered(leaf.index, event) != [None])
+
+    def offered(self, leaf: int, event: str) -> list[Edge | None]:
+        """What an event may do when offered to a state and then outwards."""
+        found = self._choices.get((leaf, event))
+        if found is None:
+            found = self._choices[leaf, event] = self.choices(self.chains[leaf], event)
+        return found
+
+
+def owner_of(final: Node) -> Node:
+    """The state that a final state ends."""
+    assert final.parent is not None
+    return final.parent.owner
+
+
+def until_unguarded(edges: Sequence[Edge]) -> list[Edge | None]:
+    """The alternatives that may be taken; None at the end where all may be refused."""
+    found: list[Edge | None] = []
+    for edge in edges:
+        found.append(edge)
+        if edge.guard is None:
+            return found
+    return [*found, None]
+
+
+def _remembered(history: Node) -> list[tuple[Node, ...]]:
+    """Everything a history state may stand for."""
+    assert history.parent is not None
+    among = inside(history.parent) if history.deep else iter(history.parent.children)
+    options = [n for n in among if n.type != "history" and not (history.deep and n.children)]
+    if history.parent.type == "parallel":
+        return [tuple(options)]
+    return [(node,) for node in options]
+
+
+def inside(node: Node | None) -> Iterator[Node]:
+    """Every state inside a state, in document order."""
+    for child in node.children if node else ():
+        yield child
+        yield from inside(child)

@@ -1,0 +1,138 @@
+"""Faults of a graph's shape alone, whatever language it was written in: ways in and ways out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
+
+from fsm.chart.entry_sets import default_entry
+from fsm.chart.graph import Edge, Graph, Node
+from vencejo.errors import Fault
+
+
+def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator[Fault]:
+    """A state that nothing leaves: no transition out of it, nor out of any state around it.
+
+    ``can_finish`` tells of a region whether it may be the end of its parallel state.
+    """
+    for node in graph.nodes:
+        if node.children or node.type in ("final", "history"):
+            continue
+        if node.parent is graph.root and graph.root.type == "parallel" and can_finish(node):
+            continue
+        if not any(leaves(edge, node) for place in _beside(graph, node) for edge in place.edges()):
+            yield Fault(
+                "no-way-out",
+                f"nothing ever leaves '{node.path or graph.name}'",
+                node.where,
+                "give it a transition with a target, or make it final",
+            )
+
+
+def _beside(graph: Graph, node: Node) -> Iterator[Node]:
+    """The states that can be active together with one: itself, those around it, other regions'."""
+    around = (node, *node.ancestors)
+    yield from around
+    for region, parent in pairwise(around):
+        if parent.type == "parallel":
+            yield from graph.nodes[parent.index + 1 : region.index]
+            yield from graph.nodes[region.last + 1 : parent.last + 1]
+
+
+def leaves(edge: Edge, node: Node) -> bool:
+    """Whether taking a transition leaves a state."""
+    return edge.domain is not None and (edge.domain.contains(node) or edge.domain is node)
+
+
+def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
+    yield from (edges for _, edges in node.on)
+    yield from (when.edges for when in node.whens)
+    yield from (after.edges for after in node.afters)
+    yield node.always
+
+
+def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Iterator[Fault]:
+    """Transitions behind one that takes all; ``covers`` tells it of a pattern and another."""
+    for node in graph.nodes:
+        for edges in _groups(node):
+            for earlier, later in pairwise(edges):
+                if earlier.guard is None and earlier.hold is None:
+                    yield Fault(
+                        "dead-alternative",
+                        "this alternative is never reached: the one before it takes all",
+                        later.where,
+                        "give the one before it a guard, or put this one first",
+                    )
+        for index, (event, edges) in enumerate(node.on):
+            for pattern, earlier_edges in node.on[:index]:
+                takes_all = any(edge.guard is None for edge in earlier_edges)
+                if takes_all and edges and covers(pattern, event):
+                    yield Fault(
+                        "dead-alternative",
+                        f"'{event}' is never reached: '{pattern}' above it takes all",
+                        edges[0].where,
+                        f"put '{event}' before '{pattern}'",
+                    )
+
+
+def endless_always(graph: Graph) -> Iterator[Fault]:
+    """A loop of unguarded ``always`` transitions would never come to rest."""
+    for start in graph.nodes:
+        node, seen = start, set[int]()
+        while True:
+            edge = next((edge for edge in node.always if edge.guard is None), None)
+            if edge is not None and not edge.targets:
+                yield Fault(
+                    "endless-always",
+                    "this `always` leads nowhere and never ends",
+                    edge.where,
+                    "give it a target or a guard; what is to be done once belongs to `entry`",
+                )
+            if edge is None or len(edge.targets) != 1:
+                break
+            node = edge.targets[0]
+            while node.initial and len(node.initial) == 1 and not node.always:
+                node = node.initial[0]
+            if node is start:
+                yield Fault(
+                    "endless-always",
+                    "these `always` transitions never end",
+                    edge.where,
+                    "give one of them a guard",
+                )
+            if node.index in seen:
+                break
+            seen.add(node.index)
+
+
+def unreachable(graph: Graph) -> Iterator[Fault]:
+    """States that no transition leads to; guards are taken to pass."""
+    reached: set[int] = set()
+    pending: list[Node] = [graph.root]
+
+    def reach(nodes: Iterable[Node]) -> None:
+        pending.extend(node for node in nodes if node.index not in reached)
+
+    while pending:
+        node = pending.pop()
+        if node.index in reached:
+            continue
+        reached.add(node.index)
+        reach(node.ancestors)
+        reach(default_entry(node))
+        for edge in node.edges():
+            for target in edge.targets:
+                reach((target, *(target.initial if target.type == "history" else ())))
+                for ancestor in target.ancestors:
+                    if ancestor.type == "parallel":
+                        reach(default_entry(ancestor))
+    for node in graph.nodes:
+        inside_unreached = node.parent is not None and node.parent.index not in reached
+        if node.index not in reached and not inside_unreached:
+            yield Fault(
+                "unreachable",
+                f"nothing leads to the state '{node.path}'",
+                node.where,
+                "remove it, or name it as a target",
+                severity="warning",
+            )

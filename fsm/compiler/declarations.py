@@ -1,0 +1,225 @@
+"""The names of a mission: what each state's expressions can see, and in which slot it lies.
+
+What is declared wrongly stays known, as a name of unknown type: one mistake makes one fault.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from fsm.chart.graph import Data, Invocation, Node
+from fsm.compiler.actions import raised
+from fsm.compiler.namespace import OWN_EVENTS, Namespace
+from fsm.compiler.parameters import constant_value, named_type, read_parameter, widened
+from fsm.compiler.tree import Tree
+from fsm.expressions.compiled import Compiled
+from fsm.expressions.literals import Context, read_value
+from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT, Binding, Define, Scope
+from fsm.faults import Faults
+from fsm.host import Parameter, Vocabulary
+from fsm.language.spec import ActionSpec, MissionSpec, Named, StateSpec
+from fsm.values.types import ANY, NAMED, MapOf, Number, Type
+from vencejo.errors import UserError, nearest
+from vencejo.geometry import Point
+from vencejo.nodes import Mapping as MapNode
+from vencejo.nodes import Scalar
+from vencejo.units import TIME
+
+
+class Declarations:
+    """Everything a mission declares, with the graphs it includes."""
+
+    def __init__(self, vocabulary: Vocabulary, tree: Tree, faults: Faults) -> None:
+        self.vocabulary = vocabulary
+        self.tree = tree
+        self.faults = faults
+        self.slots = tree.first_slot + len(tree.nodes)
+        self.scopes: dict[int, Scope] = {}
+        self.graphs: dict[int, Namespace] = {}
+        """The names of the graph that begins at a state."""
+        self._names: dict[int, Namespace] = {}
+        """By state."""
+        self._declare(tree.root, Scope())
+        for index in reversed(self.graphs):
+            self._collect_raised(tree.nodes[index])
+
+    def of(self, node: Node) -> Namespace:
+        """The names of the graph that a state belongs to."""
+        return self._names[node.index]
+
+    def slot(self) -> int:
+        self.slots += 1
+        return self.slots - 1
+
+    # -- names of a whole graph -------------------------------------------------------------
+
+    def _begin(self, root: Node) -> Scope:
+        """What all states of a graph see, whatever is around it."""
+        spec = self.tree.graphs[root.index]
+        names = self.graphs[root.index] = Namespace(self.vocabulary)
+        names.events.update({**OWN_EVENTS, **self.vocabulary.events})
+        self._read_places(spec, names)
+        scope = self._host_scope()
+        self._read_parameters(spec, names, scope)
+        self._read_events(spec, names)
+        return scope
+
+    def _host_scope(self) -> Scope:
+        scope = Scope()
+        scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
+        for index, (name, type_) in enumerate(self.vocabulary.names.items()):
+            scope.names[name] = Binding(name, "host", type_, FIRST_HOST_SLOT + index)
+        return scope
+
+    def _read_places(self, spec: MissionSpec, names: Namespace) -> None:
+        for place in spec.places:
+            value: Any = Point(0.0, 0.0, 0.0)
+            with self.faults.collecting():
+                context = names.context(Scope())
+                value = constant_value(place.node, NAMED["point"], context).value()
+            names.places[place.name.text] = value
+
+    def _read_parameters(self, spec: MissionSpec, names: Namespace, scope: Scope) -> None:
+        for named in spec.parameters:
+            name, where = named.name.text, named.name.where
+            parameter = Parameter(name, ANY)
+            with self.faults.collecting():
+                parameter = read_parameter(named, names.context(Scope()), self.faults)
+            slot = self.slot()
+            with self.faults.collecting():
+                scope.declare(Binding(name, "parameter", parameter.type, slot, where), where)
+            names.parameters[name] = parameter
+            names.parameter_slots[name] = slot
+
+    def _read_events(self, spec: MissionSpec, names: Namespace) -> None:
+        for event in spec.events:
+            name, where, node = event.name.text, event.name.where, event.node
+            if name in names.events:
+                self.faults.fail("name-taken", f"the event '{name}' exists already", where)
+            fields: dict[str, Type] = {}
+            if isinstance(node, MapNode):
+                for key, value in node:
+                    fields[key.text] = named_type(value, self.faults) or ANY
+            elif not (isinstance(node, Scalar) and node.null):
+                self.faults.fail(
+                    "wrong-type",
+                    "an event is declared by a map of its fields and their types",
+                    node.where,
+                    f"{name}: {{id: number}}, or {name}: {{}}",
+                )
+            names.events[name] = fields
+
+    def _collect_raised(self, root: Node) -> None:
+        """Events that behaviours or actions of a graph raise are known everywhere in it."""
+        names = self.graphs[root.index]
+        for node in self.tree.nodes[root.index : root.last + 1]:
+            if self.of(node) is not names:
+                continue
+            if node.invocation:
+                names.events.update(node.invocation.behavior.events)
+            for action in _actions(self.tree.specs[node.index]):
+                found = raised(action)
+                if found is not None and found[0] not in names.events:
+                    name, fields = found
+                    known = names.raised.get(name, {})
+                    names.raised[name] = {**known, **dict.fromkeys(fields, ANY)}
+        if root.parent is not None:
+            names.climb_to(self.of(root.parent))
+
+    # -- names of each state ----------------------------------------------------------------
+
+    def _declare(self, node: Node, outer: Scope) -> None:
+        """Give a state its scope, then those inside it theirs."""
+        spec = self.tree.specs[node.index]
+        if node.border:
+            outer = self._begin(node)
+            self._names[node.index] = self.graphs[node.index]
+        elif node.parent is not None:
+            self._names[node.index] = self._names[node.parent.index]
+        scope = outer.inside(node.entered_slot)
+        if node.border:
+            scope.states = self._states(node)
+        self.scopes[node.index] = scope
+        node.data = tuple(self._data(named, scope, self.of(node)) for named in spec.data)
+        if spec.do is not None:
+            self._declare_behavior(node, spec.do, spec.as_, scope)
+        for define in spec.define:
+            with self.faults.collecting():
+                scope.declare(
+                    Define(define.name, define.arguments, define.body, scope), define.where
+                )
+        for child in node.children:
+            self._declare(child, scope)
+
+    def _states(self, root: Node) -> dict[str, int]:
+        """The states of a graph, as ``active('…')`` names them there."""
+        around = root.owner.path + "." if root.owner.path else ""
+        inside = self.tree.nodes[root.index + 1 : root.last + 1]
+        return {node.path.removeprefix(around): node.index for node in inside}
+
+    def _data(self, named: Named, scope: Scope, names: Namespace) -> Data:
+        name, where = named.name.text, named.name.where
+        type_: Type = ANY
+        initial = Compiled(ANY, lambda s, e: None, "", where, constant=True)
+        with self.faults.collecting():
+            type_, initial = self._first_value(named, names.context(scope), initial)
+        slot = self.slot()
+        with self.faults.collecting():
+            scope.declare(Binding(name, "data", type_, slot, where), where)
+        return Data(name, slot, type_, initial)
+
+    def _first_value(
+        self, named: Named, context: Context, nothing: Compiled
+    ) -> tuple[Type, Compiled]:
+        """The type of a variable and what it begins as."""
+        node = named.node
+        if not isinstance(node, MapNode):
+            initial = read_value(node, ANY, context)
+            return widened(initial.type), initial
+        keys = {key.text for key, _ in node}
+        if not keys or not keys <= {"type", "default"}:
+            raise UserError(
+                "wrong-type",
+                "a map as first value of a data variable needs the long form",
+                node.where,
+                "{type: map, default: {…}}",
+            )
+        declared, default = node.get("type"), node.get("default")
+        type_ = (named_type(declared, self.faults) if declared else None) or ANY
+        return type_, read_value(default, type_, context) if default else nothing
+
+    def _declare_behavior(self, node: Node, do: Scalar, as_: Scalar | None, scope: Scope) -> None:
+        behavior = self.vocabulary.behaviors.get(do.text)
+        name = as_ or do
+        if behavior is None:
+            hint = nearest(do.text, self.vocabulary.behaviors)
+            self.faults.fail(
+                "unknown-behaviour", f"there is no behaviour '{do.text}'", do.where, hint
+            )
+            scope.names.setdefault(name.text, Binding(name.text, "published", ANY))
+            return
+        slot = -1
+        if behavior.publishes or behavior.on_trust:
+            slot = self.slot()
+            type_: Type = ANY if behavior.on_trust else MapOf(behavior.publishes)
+            try:
+                scope.declare(Binding(name.text, "published", type_, slot, name.where), name.where)
+            except UserError as error:
+                fault = error.faults[0]
+                hint = fault.hint if as_ else "give what it publishes another name: `as: …`"
+                self.faults.fail(fault.code, fault.message, fault.where, hint)
+        elif as_:
+            self.faults.fail(
+                "no-values", f"'{behavior.name}' publishes nothing to be named", as_.where
+            )
+            scope.names.setdefault(name.text, Binding(name.text, "published", ANY))
+        node.invocation = Invocation(behavior, {}, {}, slot)
+
+
+def _actions(spec: StateSpec) -> Iterator[ActionSpec]:
+    for block in (spec.entry, spec.exit, spec.throughout):
+        yield from block
+    for trigger in spec.triggers:
+        for alternative in trigger.alternatives:
+            yield from alternative.actions

@@ -1,0 +1,1 @@
+"""Running a graph: the interpreter, its running state, and saving it."""

@@ -1,0 +1,103 @@
+"""Expressions: a safe subset of Python with units, parsed, typed and compiled on load.
+
+The user's text is parsed to Python's syntax tree; each node is translated, if it is on the list
+of :mod:`fsm.expressions.translator`, to a piece of code of *ours* together with its type. Only
+that generated code is compiled, with nothing in reach but the functions of
+:mod:`fsm.values.functions`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fsm.expressions.scope import Scope
+from fsm.expressions.syntax import too_deep
+from fsm.expressions.translator import Translator
+from fsm.values.functions import Budget, bounded
+from fsm.values.types import ANY, Bool, Number, Type, fits
+from vencejo.errors import UserError, Where
+
+_SLOT = re.compile(r"s\[(\d+)\]")
+_NUMBER = re.compile(r"\d+\.\d+")
+Function = Callable[[list[Any], Mapping[str, Any] | None], Any]
+"""A compiled value: of an instance's slots and of the fields of the event at hand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """An expression or literal ready to be evaluated."""
+
+    type: Type
+    function: Function
+    source: str
+    where: Where
+    constant: bool = False
+    reads: frozenset[str] = frozenset()
+    """Kinds of the names it depends on, where that was asked of an expression."""
+
+    def __call__(self, slots: list[Any], event: Mapping[str, Any] | None = None) -> Any:
+        """The value. Raises one of :data:`fsm.values.functions.FAILURES`."""
+        return self.function(slots, event)
+
+    def value(self) -> Any:
+        """The value of a constant."""
+        return self.function([], None)
+
+
+def constant(value: Any, type_: Type, where: Where, source: str = "") -> Compiled:
+    return Compiled(type_, lambda slots, event: value, source, where, constant=True)
+
+
+def compile_expression(
+    text: str,
+    where: Where,
+    scope: Scope,
+    wanted: Type = ANY,
+    arguments: Mapping[str, Type] | None = None,
+) -> Compiled:
+    """Parse, type and compile an expression. Raises UserError at the very column that is wrong."""
+    arguments = arguments or {}
+    translator = Translator(text, where, scope, arguments)
+    code, type_ = translator.translate()
+    if not fits(wanted, type_):
+        numbers = isinstance(type_, Number) and isinstance(wanted, Number)
+        raise UserError(
+            "wrong-dimension" if numbers else "wrong-type",
+            f"'{text}' is {type_}, but {wanted} is needed here",
+            where,
+        )
+    if translator.loops:
+        code = f"(lambda b: {code})({translator.use('Budget', Budget)}())"
+    if not isinstance(type_, (Bool, Number)):
+        code = f"{translator.use('bounded', bounded)}({code})"
+    function = _simple(code) or _compiled(code, arguments, translator, where)
+    is_constant = not translator.reads and not arguments
+    return Compiled(type_, function, text, where, is_constant, frozenset(translator.reads))
+
+
+def _simple(code: str) -> Function | None:
+    """The function of a slot or a number by itself, for which Python's compiler takes too long."""
+    slot = _SLOT.fullmatch(code)
+    if slot:
+        index = int(slot[1])
+        return lambda slots, event: slots[index]
+    if _NUMBER.fullmatch(code):
+        value = float(code)
+        return lambda slots, event: value
+    return None
+
+
+def _compiled(
+    code: str, arguments: Iterable[str], translator: Translator, where: Where
+) -> Function:
+    names = ", ".join(["s", "e", *(f"a_{name}" for name in arguments)])
+    try:
+        # `code` is made of our own pieces only: see the module's docstring.
+        source = compile(f"lambda {names}: {code}", f"<{where}>", "eval")
+    except (SyntaxError, RecursionError, MemoryError):
+        raise too_deep(where) from None
+    function: Function = eval(source, translator.namespace)
+    return function

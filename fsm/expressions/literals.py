@@ -1,0 +1,363 @@
+"""Reads what stands in a place of a type: a literal, an expression, or a literal with some inside.
+
+Points, headings and routes keep the form a person wrote when it can only be resolved in flight:
+a full ``[x, y, z]`` becomes a :class:`vencejo.Point`, a place name stays a text, and everything
+else (``{forward: 2 m}``, ``[x, y]``, ``{lat, lon}``) stays a map of SI numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import Any
+
+from fsm.expressions.compiled import Compiled, Function, compile_expression, constant
+from fsm.expressions.scope import Scope
+from fsm.expressions.templates import NAME, Inserted, formatted, pieces
+from fsm.values.conversion import HEADING_WORDS, POINT_FORMS, converted, point_of
+from fsm.values.functions import FAILURES, bounded, plain
+from fsm.values.types import (
+    ANY,
+    AREA,
+    BOOL,
+    HEADING,
+    POINT,
+    ROUTE,
+    TEXT,
+    WAYPOINT,
+    AnyType,
+    Bool,
+    HeadingType,
+    ListOf,
+    MapOf,
+    Number,
+    PointType,
+    Text,
+    Type,
+    fits,
+    in_bounds,
+    join,
+)
+from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.geometry import Point
+from vencejo.nodes import Mapping as MapNode
+from vencejo.nodes import Node, Scalar, Sequence, kind
+from vencejo.units import ANGLE, LENGTH, parse_number, parse_quantity, read_quantity
+
+_POINT_HELP = (
+    "write [x, y], [x, y, z], {x, y, z}, {forward, left, up}, {lat, lon, above_home}, "
+    "home or a place"
+)
+
+
+@dataclass(frozen=True)
+class Context:
+    """Where values are read: the names in sight and the places that are known."""
+
+    scope: Scope = field(default_factory=Scope)
+    places: Mapping[str, Point] = field(default_factory=dict)
+    """Places of the mission itself, in the mission frame."""
+    world_places: frozenset[str] | None = None
+    """Places of the world; None when no world is known yet."""
+    peers: frozenset[str] | None = None
+    """The vehicles of the fleet; None outside of one."""
+
+
+def read_value(node: Node, place: Type, context: Context) -> Compiled:
+    """The value of a node in a place of type ``place``. Raises UserError, all faults at once."""
+    if isinstance(node, Scalar):
+        compiled = _read_scalar(node, place, context)
+    elif isinstance(node, Sequence):
+        compiled = _read_sequence(node, place, context)
+    else:
+        compiled = _read_mapping(node, place, context)
+    if compiled.constant:
+        try:
+            in_bounds(place, compiled.value())
+        except UserError as error:
+            raise UserError(error.code, error.faults[0].message, node.where) from None
+        except FAILURES as error:
+            raise UserError("no-value", f"this has no value: {plain(error)}", node.where) from None
+    return compiled
+
+
+def _wrong(node: Node, place: Type, hint: str | None = None) -> UserError:
+    return UserError("wrong-type", f"{kind(node)} is not {place}", node.where, hint)
+
+
+# -- scalars --------------------------------------------------------------------------------
+
+
+def _read_scalar(node: Scalar, place: Type, context: Context) -> Compiled:
+    if "$" in node.text:
+        return _with_dollars(node, place, context)
+    text, where = node.text, node.where
+    if node.null:
+        if isinstance(place, AnyType):
+            return constant(None, ANY, where, text)
+        raise UserError("wrong-type", f"a value is missing here: {place}", where)
+    match place:
+        case AnyType():
+            return _untyped(node)
+        case Number(dimension=None):
+            number = parse_number(text)
+            quantity = parse_quantity(text)
+            if number is None and quantity is None:
+                raise _wrong(node, place)
+            if quantity:
+                return constant(quantity[0], Number(quantity[1]), where, text)
+            return constant(number, place, where, text)
+        case Number(dimension=dimension) if dimension is not None:
+            return constant(read_quantity(text, dimension, where), place, where, text)
+        case Bool():
+            if text not in ("true", "false"):
+                yes = text.lower() in ("yes", "on", "y", "1", "true")
+                no = text.lower() in ("no", "off", "n", "0", "false")
+                hint = f"write {'true' if yes else 'false'}" if yes or no else None
+                raise _wrong(node, place, hint)
+            return constant(text == "true", BOOL, where, text)
+        case Text(choices=choices):
+            if choices and text not in choices:
+                raise UserError(
+                    "unknown-word", f"'{text}' is not {place}", where, nearest(text, choices)
+                )
+            return constant(text, place, where, text)
+        case PointType():
+            return _place(node, context)
+        case HeadingType():
+            if text in HEADING_WORDS:
+                return constant(text, HEADING, where, text)
+            if parse_number(text) is None and parse_quantity(text) is None:
+                raise UserError(
+                    "wrong-type",
+                    f"'{text}' is no heading",
+                    where,
+                    "write an angle (90 deg), keep, travel or {face: point}",
+                )
+            return constant(read_quantity(text, ANGLE, where), HEADING, where, text)
+        case _:
+            raise _wrong(node, place)
+
+
+def _untyped(node: Scalar) -> Compiled:
+    """A scalar where any value may stand: YAML 1.2's own types, quantities, else a text."""
+    text, where = node.text, node.where
+    if node.plain:
+        if text in ("true", "false"):
+            return constant(text == "true", BOOL, where, text)
+        number = parse_number(text)
+        if number is not None:
+            return constant(number, Number(), where, text)
+        quantity = parse_quantity(text)
+        if quantity is not None:
+            return constant(quantity[0], Number(quantity[1]), where, text)
+    return constant(text, TEXT, where, text)
+
+
+def _place(node: Scalar, context: Context) -> Compiled:
+    name, where = node.text, node.where
+    if name in context.places:
+        return constant(context.places[name], POINT, where, name)
+    known = {"home", *context.places, *(context.world_places or ())}
+    if name in known or (context.world_places is None and name.isidentifier()):
+        return constant(name, POINT, where, name)
+    raise UserError(
+        "unknown-place",
+        f"there is no place '{name}'",
+        where,
+        nearest(name, known, otherwise=_POINT_HELP),
+    )
+
+
+# -- expressions inside values --------------------------------------------------------------
+
+
+def _with_dollars(node: Scalar, place: Type, context: Context) -> Compiled:
+    text, where = node.text, node.where.right(0 if node.plain else 1)
+    whole = NAME.fullmatch(text)
+    if whole:
+        return _placed(compile_expression(whole[1], where.right(1), context.scope, place), place)
+    parts = list(pieces(text, where))
+    if len(parts) == 1 and isinstance(parts[0], Inserted) and not parts[0].format:
+        only = parts[0]
+        return _placed(compile_expression(only.source, only.where, context.scope, place), place)
+    if not fits(place, TEXT) or isinstance(place, PointType | HeadingType):
+        raise UserError(
+            "wrong-type",
+            f"a text with something inserted is not {place}",
+            node.where,
+            "the whole value must be one expression: ${…}",
+        )
+    return _placed(_template(node, parts, context), place)
+
+
+def _template(node: Scalar, parts: list[str | Inserted], context: Context) -> Compiled:
+    if all(isinstance(part, str) for part in parts):
+        return constant("".join(map(str, parts)), TEXT, node.where, node.text)
+    functions: list[Function] = []
+    for part in parts:
+        if isinstance(part, str):
+            functions.append(lambda s, e, text=part: text)  # type: ignore[misc]
+        else:
+            value = compile_expression(part.source, part.where, context.scope)
+            functions.append(formatted(value.function, part.format))
+    return Compiled(
+        TEXT,
+        lambda s, e: bounded("".join(function(s, e) for function in functions)),
+        node.text,
+        node.where,
+    )
+
+
+def _placed(compiled: Compiled, place: Type) -> Compiled:
+    """An expression whose value is checked against its place whenever it is evaluated."""
+    if isinstance(place, AnyType):
+        return compiled
+    return Compiled(
+        compiled.type,
+        converted(compiled.function, place),
+        compiled.source,
+        compiled.where,
+        compiled.constant,
+        compiled.reads,
+    )
+
+
+# -- collections ----------------------------------------------------------------------------
+
+
+@contextmanager
+def collecting(faults: list[Fault]) -> Iterator[None]:
+    try:
+        yield
+    except UserError as error:
+        faults.extend(error.faults)
+
+
+def _read_all(nodes: list[tuple[Node, Type]], context: Context) -> list[Compiled]:
+    """Several values; the faults of all of them together."""
+    faults: list[Fault] = []
+    found = []
+    for node, place in nodes:
+        with collecting(faults):
+            found.append(read_value(node, place, context))
+    if faults:
+        raise UserError.of(faults)
+    return found
+
+
+def _built(
+    items: list[Compiled], make: Callable[[list[Any]], Any], type_: Type, where: Where
+) -> Compiled:
+    """A value made of others; constant when they all are."""
+    functions = [item.function for item in items]
+    if all(item.constant for item in items):
+        value = make([item.value() for item in items])
+        # A mutable constant must not be shared between instances: build it anew each time.
+        if isinstance(value, (list, dict)):
+            return Compiled(
+                type_, lambda s, e: make([f(s, e) for f in functions]), "", where, constant=True
+            )
+        return constant(value, type_, where)
+    return Compiled(type_, lambda s, e: make([f(s, e) for f in functions]), "", where)
+
+
+def _read_sequence(node: Sequence, place: Type, context: Context) -> Compiled:
+    match place:
+        case PointType():
+            if len(node.items) not in (2, 3):
+                raise UserError(
+                    "wrong-type",
+                    f"a point has 2 or 3 numbers, not {len(node.items)}",
+                    node.where,
+                    _POINT_HELP,
+                )
+            items = _read_all([(item, Number(LENGTH)) for item in node.items], context)
+            return _built(items, point_of, POINT, node.where)
+        case ListOf(item=item_type):
+            if place == ROUTE:
+                types: list[Type] = [
+                    WAYPOINT if isinstance(item, MapNode) and item.get("at") else POINT
+                    for item in node.items
+                ]
+            else:
+                types = [item_type] * len(node.items)
+            items = _read_all(list(zip(node.items, types, strict=True)), context)
+            if place == AREA and len(items) < 3:
+                raise UserError("wrong-type", "an area has at least 3 points", node.where)
+            return _built(
+                items, list, place if item_type != ANY else _list_type(items, place), node.where
+            )
+        case AnyType():
+            items = _read_all([(item, ANY) for item in node.items], context)
+            return _built(items, list, _list_type(items, ListOf()), node.where)
+        case _:
+            raise _wrong(node, place)
+
+
+def _list_type(items: list[Compiled], otherwise: Type) -> Type:
+    if not items or otherwise == ROUTE:
+        return otherwise
+    joined = items[0].type
+    for item in items[1:]:
+        joined = join(joined, item.type)
+    return ListOf(joined)
+
+
+def _read_mapping(node: MapNode, place: Type, context: Context) -> Compiled:
+    match place:
+        case PointType():
+            return _point_form(node, context)
+        case HeadingType():
+            return _fields_of(node, MapOf({"face": POINT}, frozenset({"face"})), context, HEADING)
+        case MapOf():
+            return _fields_of(node, place, context, place)
+        case AnyType():
+            return _fields_of(node, MapOf(), context, MapOf())
+        case _:
+            raise _wrong(node, place)
+
+
+def _point_form(node: MapNode, context: Context) -> Compiled:
+    names = {key.text for key, _ in node}
+    form = max(POINT_FORMS, key=lambda form: len(names & set(form)))
+    compiled = _fields_of(node, MapOf(form), context, POINT)
+    if "lat" in form and not {"lat", "lon"} <= names:
+        raise UserError("missing-key", "a place by latitude needs lat and lon", node.where)
+    if not names:
+        raise UserError("wrong-type", "an empty map is no point", node.where, _POINT_HELP)
+
+    def whole(value: dict[str, Any]) -> Any:
+        if {"x", "y", "z"} == set(value):
+            return Point(float(value["x"]), float(value["y"]), float(value["z"]))
+        return value
+
+    inner = compiled.function
+    return Compiled(POINT, lambda s, e: whole(inner(s, e)), "", node.where, compiled.constant)
+
+
+def _fields_of(node: MapNode, shape: MapOf, context: Context, type_: Type) -> Compiled:
+    faults: list[Fault] = []
+    names: list[str] = []
+    values: list[tuple[Node, Type]] = []
+    for key, value in node:
+        if shape.fields is not None and key.text not in shape.fields:
+            hint = nearest(key.text, shape.fields)
+            if key.text.startswith("${") or key.text == "$":
+                hint = '`${…}` inside `{ }` or `[ ]` needs quotes: "${…}"'
+            faults.append(Fault("unknown-key", f"{type_} has no '{key.text}'", key.where, hint))
+            continue
+        names.append(key.text)
+        values.append((value, shape.fields[key.text] if shape.fields is not None else ANY))
+    for missing in sorted(shape.required - set(names)):
+        if get_close_matches(missing, [key.text for key, _ in node]):
+            continue  # misspelt, and reported as unknown
+        faults.append(Fault("missing-key", f"'{missing}' is missing", node.where))
+    items: list[Compiled] = []
+    with collecting(faults):
+        items = _read_all(values, context)
+    if faults:
+        raise UserError.of(faults)
+    return _built(items, lambda found: dict(zip(names, found, strict=True)), type_, node.where)

@@ -1,0 +1,131 @@
+"""Names: what an expression can see, and the slot of an instance that each one reads.
+
+All values of a running instance lie in one list of *slots*, fixed when the graph is compiled; an
+expression compiles to a function of those slots and of the event at hand.
+"""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from fsm.values.functions import FUNCTIONS
+from fsm.values.types import ANY, Number, Type
+from vencejo.errors import UserError, Where
+from vencejo.nodes import Scalar
+from vencejo.units import TIME
+
+RESERVED = frozenset([*keyword.kwlist, "true", "false", "null", "none", "event", "time_in_state"])
+"""Words with a meaning of their own in expressions."""
+TIME_SLOT = 0
+CONFIGURATION_SLOT = 1
+FIRST_HOST_SLOT = 2
+
+Kind = Literal["host", "parameter", "data", "published", "define", "entered", "event"]
+
+
+def start(scalar: Scalar) -> Where:
+    """Where the text itself begins, past its quote."""
+    return scalar.where.right(0 if scalar.plain else 1)
+
+
+@dataclass(frozen=True)
+class Binding:
+    """What a name stands for."""
+
+    name: str
+    kind: Kind
+    type: Type
+    slot: int = -1
+    where: Where | None = None
+
+
+@dataclass(eq=False)
+class Define:
+    """A named expression, perhaps with arguments, and the scope it is written in."""
+
+    name: str
+    arguments: tuple[str, ...]
+    body: Scalar
+    scope: Scope
+    busy: bool = False
+
+
+@dataclass(eq=False)
+class Scope:
+    """The names of one state, and by its parent those of the states around it."""
+
+    parent: Scope | None = None
+    names: dict[str, Binding] = field(default_factory=dict)
+    defines: dict[str, Define] = field(default_factory=dict)
+    states: Mapping[str, int] = field(default_factory=dict)
+    """Paths of all states of the graph, for ``active('a.b')``."""
+    entered_slot: int = -1
+    """Where the time of entry of this scope's state stands."""
+
+    def find(self, name: str) -> Binding | Define | None:
+        scope: Scope | None = self
+        while scope is not None:
+            found = scope.names.get(name) or scope.defines.get(name)
+            if found is not None:
+                return found
+            scope = scope.parent
+        return None
+
+    def all_states(self) -> Mapping[str, int]:
+        scope: Scope = self
+        while scope.parent is not None and not scope.states:
+            scope = scope.parent
+        return scope.states
+
+    def visible(self) -> Iterator[str]:
+        scope: Scope | None = self
+        while scope is not None:
+            yield from scope.names
+            yield from scope.defines
+            scope = scope.parent
+
+    def declare(self, thing: Binding | Define, where: Where | None) -> None:
+        """Make a name known here. Raises UserError when it is visible already, or not free."""
+        known = self.find(thing.name)
+        reserved = thing.name in RESERVED or (
+            isinstance(thing, Define) and (thing.name in FUNCTIONS or thing.name == "active")
+        )
+        if known is not None or reserved:
+            # From here on it may be either: no second fault for the same mistake.
+            self.names[thing.name] = Binding(thing.name, "data", ANY)
+        if reserved:
+            raise UserError(
+                "name-taken",
+                f"'{thing.name}' is a word of the language",
+                where,
+                "choose another name",
+            )
+        if known is not None:
+            first = known.where if isinstance(known, Binding) else known.body.where
+            at = f", first at {first}" if first else ""
+            raise UserError(
+                "name-taken",
+                f"the name '{thing.name}' is visible here already{at}",
+                where,
+                "names may not hide each other: rename one of the two",
+            )
+        if isinstance(thing, Define):
+            self.defines[thing.name] = thing
+        else:
+            self.names[thing.name] = thing
+
+    def with_event(self, type_: Type) -> Scope:
+        """This scope with ``event``, as an ``on`` transition sees it."""
+        inner = Scope(self, entered_slot=self.entered_slot)
+        inner.names["event"] = Binding("event", "event", type_)
+        return inner
+
+    def inside(self, entered_slot: int) -> Scope:
+        """A scope for a state within this one."""
+        inner = Scope(self, entered_slot=entered_slot)
+        if self.find("time_in_state") is None:
+            inner.names["time_in_state"] = Binding("time_in_state", "entered", Number(TIME))
+        return inner

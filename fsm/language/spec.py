@@ -1,0 +1,127 @@
+"""A mission as written: the structure of its file, with places, names and types not yet known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+from vencejo.errors import Where
+from vencejo.nodes import Mapping, Node, Scalar
+
+TriggerKind = Literal["on", "when", "after", "always"]
+ActionKind = Literal["set", "append", "raise", "send", "cancel", "log", "call"]
+StateType = Literal["atomic", "compound", "parallel", "final", "history"]
+
+
+@dataclass(frozen=True, slots=True)
+class ActionSpec:
+    kind: ActionKind
+    node: Node
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionSpec:
+    """One alternative of a trigger; without targets nothing is left."""
+
+    targets: tuple[Scalar, ...]
+    where: Where
+    guard: Scalar | None = None
+    actions: tuple[ActionSpec, ...] = ()
+    hold: Scalar | None = None
+    """``for``: how long the condition must last."""
+    reenter: bool = False
+    name: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TriggerSpec:
+    """What starts a transition (event, outcome, condition or duration), with its alternatives."""
+
+    kind: TriggerKind
+    key: Scalar
+    alternatives: tuple[TransitionSpec, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DefineSpec:
+    name: str
+    arguments: tuple[str, ...]
+    body: Scalar
+    where: Where
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A key with whatever stands behind it."""
+
+    name: Scalar
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class StateSpec:
+    name: str
+    where: Where
+    type: StateType
+    initial: Scalar | None = None
+    description: str = ""
+    data: tuple[Named, ...] = ()
+    define: tuple[DefineSpec, ...] = ()
+    entry: tuple[ActionSpec, ...] = ()
+    exit: tuple[ActionSpec, ...] = ()
+    throughout: tuple[ActionSpec, ...] = ()
+    do: Scalar | None = None
+    with_: tuple[Named, ...] = ()
+    live: tuple[Named, ...] = ()
+    as_: Scalar | None = None
+    include: Scalar | None = None
+    triggers: tuple[TriggerSpec, ...] = ()
+    states: tuple[StateSpec, ...] = ()
+    outcome: str = "done"
+    output: tuple[Named, ...] = ()
+    deep: bool = False
+    target: Scalar | None = None
+    breakpoint: bool = False
+    flawed: bool = False
+    """Whether some of its transitions could not be read."""
+
+    def walk(self) -> Iterator[StateSpec]:
+        """This state and all inside it, in document order."""
+        yield self
+        for child in self.states:
+            yield from child.walk()
+
+
+@dataclass(frozen=True, slots=True)
+class MissionSpec:
+    """A whole file, or a graph kept inside one."""
+
+    name: str
+    file: str
+    root: StateSpec
+    description: str = ""
+    world: Scalar | None = None
+    uses: tuple[Scalar, ...] = ()
+    places: tuple[Named, ...] = ()
+    parameters: tuple[Named, ...] = ()
+    events: tuple[Named, ...] = ()
+    outer_first: bool = False
+    node: Mapping | None = None
+    graphs: tuple[MissionSpec, ...] = ()
+    """Those kept in this file, by their names."""
+    included: dict[str, MissionSpec] = field(default_factory=dict)
+    """What each word after ``include`` stands for; filled by :mod:`fsm.language.includes`."""
+
+    def closure(self) -> list[MissionSpec]:
+        """This graph and all that it includes, each once, the outer ones first."""
+        found: dict[int, MissionSpec] = {}
+        pending = [self]
+        while pending:
+            spec = pending.pop()
+            if id(spec) not in found:
+                found[id(spec)] = spec
+                pending.extend(reversed(spec.included.values()))
+        return list(found.values())

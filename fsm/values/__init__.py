@@ -1,0 +1,1 @@
+"""Values of missions: their types, the functions of expressions, conversion and JSON."""

@@ -1,0 +1,248 @@
+"""The types of the mission language: what an expression gives and what a place takes.
+
+A type is a value; two types are compared with :func:`fits`. How a literal is read into a place of
+a type stands in :mod:`fsm.expressions.literals`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf
+from types import MappingProxyType
+from typing import Any
+
+from vencejo.errors import UserError
+from vencejo.geometry import Point
+from vencejo.units import ANGLE, LENGTH, SPEED, TIME, Dimension, format_quantity
+
+MAX_NUMBER = 1e300
+
+
+@dataclass(frozen=True)
+class Type:
+    """Any type at all; the base of the others."""
+
+    def __str__(self) -> str:
+        return "anything"
+
+
+@dataclass(frozen=True)
+class AnyType(Type):
+    """Not known before the value is there; fits everywhere and is checked in flight."""
+
+
+@dataclass(frozen=True)
+class Number(Type):
+    """A number of a dimension; ``None`` is a bare number, which fits every dimension."""
+
+    dimension: Dimension | None = None
+    min: float = -inf
+    max: float = inf
+    whole: bool = False
+
+    def __str__(self) -> str:
+        if self.whole:
+            return "a whole number"
+        return "a number" if self.dimension is None else str(self.dimension)
+
+
+@dataclass(frozen=True)
+class Bool(Type):
+    def __str__(self) -> str:
+        return "true or false"
+
+
+@dataclass(frozen=True)
+class Text(Type):
+    choices: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"one of {', '.join(self.choices)}" if self.choices else "a text"
+
+
+@dataclass(frozen=True)
+class PointType(Type):
+    """A place: a :class:`vencejo.Point`, or a form that is resolved where it is used."""
+
+    def __str__(self) -> str:
+        return "a point"
+
+
+@dataclass(frozen=True)
+class HeadingType(Type):
+    """An angle, ``keep``, ``travel`` or ``{face: point}``."""
+
+    def __str__(self) -> str:
+        return "a heading"
+
+
+@dataclass(frozen=True)
+class ListOf(Type):
+    item: Type = field(default_factory=AnyType)
+    named: str = "a list"
+
+    def __str__(self) -> str:
+        return self.named
+
+
+@dataclass(frozen=True)
+class MapOf(Type):
+    """A map; with ``fields`` only these names exist, without any may."""
+
+    fields: Mapping[str, Type] | None = None
+    required: frozenset[str] = frozenset()
+
+    def __str__(self) -> str:
+        return "a map"
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.fields or ()))
+
+
+ANY = AnyType()
+BARE = Number()
+BOOL = Bool()
+TEXT = Text()
+POINT = PointType()
+HEADING = HeadingType()
+WAYPOINT = MapOf(
+    MappingProxyType(
+        {
+            "at": POINT,
+            "heading": HEADING,
+            "speed": Number(SPEED, min=0.01),
+            "dwell": Number(TIME, 0.0),
+        }
+    ),
+    required=frozenset({"at"}),
+)
+ROUTE = ListOf(ANY, "a route")
+AREA = ListOf(POINT, "an area")
+NAMED: Mapping[str, Type] = MappingProxyType(
+    {
+        "number": BARE,
+        "bool": BOOL,
+        "text": TEXT,
+        "point": POINT,
+        "heading": HEADING,
+        "route": ROUTE,
+        "area": AREA,
+        "list": ListOf(),
+        "map": MapOf(),
+        "any": ANY,
+        "length": Number(LENGTH),
+        "time": Number(TIME),
+        "angle": Number(ANGLE),
+        "speed": Number(SPEED),
+    }
+)
+"""The types a mission may write after ``type:``."""
+
+
+def fits(place: Type, given: Type) -> bool:
+    """Whether a value of ``given`` may stand where ``place`` is asked for, as far as is known."""
+    if isinstance(place, AnyType) or isinstance(given, AnyType) or place == given:
+        return True
+    match place, given:
+        case Number(dimension=a), Number(dimension=b):
+            return a is None or b is None or a == b
+        case Text(), Text():
+            return True
+        case ListOf(item=a), ListOf(item=b):
+            return fits(a, b)
+        case MapOf(), MapOf():
+            return True
+        case HeadingType(), Number(dimension=b):
+            return b is None or b == ANGLE
+        case HeadingType(), (Text() | MapOf()):
+            return True
+        case PointType(), (ListOf() | MapOf() | Text()):
+            return True
+        case _:
+            return False
+
+
+def join(a: Type, b: Type) -> Type:
+    """The type of what may be either."""
+    if a == b:
+        return a
+    if isinstance(a, Number) and isinstance(b, Number):
+        if a.dimension == b.dimension or b.dimension is None:
+            return Number(a.dimension)
+        if a.dimension is None:
+            return Number(b.dimension)
+    if isinstance(a, Text) and isinstance(b, Text):
+        return TEXT
+    if isinstance(a, ListOf) and isinstance(b, ListOf):
+        return ListOf(join(a.item, b.item))
+    return ANY
+
+
+def product(a: Number, b: Number, sign: int) -> Number:
+    """Any product with a bare number is bare, and angles count as bare there."""
+    bare = (None, ANGLE)
+    if a.dimension is None or b.dimension is None:
+        return BARE
+    if sign > 0 and (a.dimension in bare or b.dimension in bare):
+        return BARE
+    if sign < 0 and b.dimension == ANGLE and a.dimension != ANGLE:
+        return BARE
+    return Number(a.dimension.times(b.dimension, sign))
+
+
+def raised(base: Number, squared: bool) -> Number:
+    """The type of a power; only squares keep a dimension."""
+    if base.dimension is None:
+        return BARE
+    if squared:
+        return Number(base.dimension.times(base.dimension))
+    return BARE
+
+
+def type_of(value: Any) -> Type:
+    """The type of a value that is there already."""
+    match value:
+        case bool():
+            return BOOL
+        case int() | float():
+            return BARE
+        case str():
+            return TEXT
+        case Point():
+            return POINT
+        case list() | tuple():
+            items = [type_of(item) for item in value]
+            joined = items[0] if items else ANY
+            for item in items[1:]:
+                joined = join(joined, item)
+            return ListOf(joined)
+        case dict():
+            return MapOf()
+        case _:
+            return ANY
+
+
+def in_bounds(type_: Type, value: Any) -> None:
+    """Raise UserError (``out-of-range``) when a number lies outside its type's bounds."""
+    if not isinstance(type_, (Number, AnyType)) or not isinstance(value, (int, float)):
+        return
+    if not abs(value) < MAX_NUMBER:
+        raise UserError("out-of-range", "this number is too large")
+    if isinstance(type_, AnyType):
+        return
+    if not type_.min <= value <= type_.max:
+        low, high = (format_quantity(bound, type_.dimension) for bound in (type_.min, type_.max))
+        allowed = (
+            f"{low} … {high}"
+            if type_.min > -inf and type_.max < inf
+            else f"at least {low}"
+            if type_.min > -inf
+            else f"at most {high}"
+        )
+        raise UserError(
+            "out-of-range",
+            f"{format_quantity(value, type_.dimension)} is out of range; allowed is {allowed}",
+        )
+    if type_.whole and value != int(value):
+        raise UserError("wrong-type", f"{value:g} is no whole number")
