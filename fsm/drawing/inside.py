@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from math import ceil
 
 from fsm.chart.graph import Node
+from fsm.drawing.arrangement import BORDER, PORT_GAP, arrange
 from fsm.drawing.channels import Net, route
-from fsm.drawing.picture import XY
-from fsm.drawing.placing import BORDER, PORT_GAP, place
+from fsm.drawing.diagram import XY
+from fsm.drawing.labels import edges_label, node_lines
 from fsm.drawing.rows import Item, Key, Rows, Terminal, Wires, layers_of
 from fsm.drawing.widths import text_width
 from fsm.drawing.wiring import Leg, Wire, toward
-from fsm.drawing.words import edges_label, node_lines
 
 NAME_SIZE, LINE_SIZE, LABEL_SIZE = 13.0, 11.0, 11.0
 NAME_HEIGHT, LINE_HEIGHT = 18.0, 15.0
@@ -123,7 +123,7 @@ def lay_out(
         box = children[child]
         made.items[child] = rows.add(_box(box, 2 * layer + 2))
     _connect(made, legs)
-    place(rows, parallel)
+    arrange(rows, parallel)
     _finish(made, children, ports)
     return made
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsm.chart.graph import Graph, Node
-from fsm.drawing.words import action_text, edge_text
+from fsm.drawing.labels import action_text, edge_text
 
 
 def write_text(graph: Graph) -> str:

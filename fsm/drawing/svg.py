@@ -1,4 +1,4 @@
-"""A picture as SVG: no script, no font of its own, light and dark."""
+"""A diagram as SVG: no script, no font of its own, light and dark."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import pairwise
 
 from fsm.chart.graph import Graph
+from fsm.drawing.diagram import XY, Box, Diagram, Line
 from fsm.drawing.inside import LABEL_SIZE, LINE_HEIGHT, LINE_SIZE, NAME_SIZE, PAD
 from fsm.drawing.layout import draw
-from fsm.drawing.picture import XY, Box, Line, Picture
 from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
@@ -39,28 +39,28 @@ text {{ fill: #e4e7eb; }} .more {{ fill: #b0bcc8; }} .label {{ fill: #c3d3e3; }}
 
 
 def write_svg(graph: Graph) -> str:
-    """The graph's picture as an SVG file."""
+    """The graph's diagram as an SVG file."""
     return render(draw(graph))
 
 
-def render(picture: Picture, active: Collection[str] = ()) -> str:
-    """A picture as SVG; ``active`` are the paths of states to highlight."""
-    width, height = f"{picture.width:g}", f"{picture.height:g}"
+def render(diagram: Diagram, active: Collection[str] = ()) -> str:
+    """A diagram as SVG; ``active`` are the paths of states to highlight."""
+    width, height = f"{diagram.width:g}", f"{diagram.height:g}"
     drawn: set[Piece] = set()
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
             f'viewBox="0 0 {width} {height}" role="img">',
-            f"<title>{_escape(picture.name)}</title>",
-            f"<desc>{_escape(picture.description)}</desc>",
+            f"<title>{_escape(diagram.name)}</title>",
+            f"<desc>{_escape(diagram.description)}</desc>",
             f"<style>{html.escape(STYLE, quote=False)}</style>",
             '<rect class="page" width="100%" height="100%"/>',
-            *(part for box in picture.boxes for part in _box(box, box.path in active)),
+            *(part for box in diagram.boxes for part in _box(box, box.path in active)),
             *(
                 f'<path class="apart" d="M{_xy(one)} L{_xy(two)}"/>'
-                for one, two in picture.separators
+                for one, two in diagram.separators
             ),
-            *(part for line in picture.lines for part in _line(line, drawn)),
+            *(part for line in diagram.lines for part in _line(line, drawn)),
             "</svg>\n",
         ]
     )

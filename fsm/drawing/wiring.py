@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fsm.chart.graph import Edge, Node
+from fsm.drawing.labels import stays
 from fsm.drawing.rows import Key
-from fsm.drawing.words import stays
 
 
 @dataclass(frozen=True, slots=True)

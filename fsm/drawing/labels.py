@@ -1,4 +1,4 @@
-"""What a picture of a graph says: states and transitions in words, in full and shortened."""
+"""What a diagram of a graph says: states and transitions in words, in full and shortened."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from fsm.chart.graph import Action, Edge, Node
 from vencejo import nodes
 
 SHORT = 34
-"""Letters that a line of a picture has at most."""
+"""Letters that a line of a diagram has at most."""
 
 
 def shortened(text: str, limit: int = SHORT) -> str:
@@ -69,7 +69,7 @@ def edge_text(edge: Edge) -> str:
 
 
 def edge_label(edge: Edge) -> str:
-    """A transition in one line of a picture: its parts are shortened before the whole is."""
+    """A transition in one line of a diagram: its parts are shortened before the whole is."""
     guard = f"[{shortened(edge.guard.source, 22)}]" if edge.guard else ""
     actions = ", ".join(action_word(action) for action in edge.actions)
     parts = (

@@ -1,4 +1,4 @@
-"""A picture of a graph: boxes and lines in pixels, y downwards, nothing left to be decided."""
+"""A diagram of a graph: boxes and lines in pixels, y downwards, nothing left to be decided."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class Diagram:
     """Everything there is to draw. Outer boxes come before those inside."""
 
     name: str

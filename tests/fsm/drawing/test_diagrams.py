@@ -56,7 +56,7 @@ states:
 
 @settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10**6), states=st.integers(2, 60))
-def test_no_picture_breaks_a_rule(seed: int, states: int) -> None:
+def test_no_diagram_breaks_a_rule(seed: int, states: int) -> None:
     graph = random_graph(seed, states)
     assert broken_rules(graph, draw(graph)) == []
 
@@ -72,7 +72,7 @@ def test_a_graph_of_one_state_with_a_long_name() -> None:
     assert broken_rules(graph, draw(graph)) == []
 
 
-def test_the_same_graph_gives_the_same_picture() -> None:
+def test_the_same_graph_gives_the_same_diagram() -> None:
     assert draw(random_graph(7, 40)) == draw(random_graph(7, 40))
 
 
@@ -161,9 +161,9 @@ DOCUMENT = """\
 
 
 def test_a_history_of_several_regions_leads_to_each() -> None:
-    picture = draw(load_document(parse_document(DOCUMENT, "d.scxml"), "d"))
-    boxes = {box.path: box for box in picture.boxes}
-    ends = {line.target: line.points[-1] for line in picture.lines if line.source == "back"}
+    diagram = draw(load_document(parse_document(DOCUMENT, "d.scxml"), "d"))
+    boxes = {box.path: box for box in diagram.boxes}
+    ends = {line.target: line.points[-1] for line in diagram.lines if line.source == "back"}
     assert {path: y for path, (_, y) in ends.items()} == {
         path: boxes[path].y for path in ("left.b", "right.b")
     }

@@ -23,7 +23,7 @@ Links = dict[Item, list[tuple[Item, float, float]]]
 with a straight line, and the weight of that."""
 
 
-def place(rows: Rows, fixed_order: bool) -> None:
+def arrange(rows: Rows, fixed_order: bool) -> None:
     """Order the items of each row, give each its ``x``, and states the ports that are free."""
     upper, lower = _links(rows)
     sweeps = SWEEPS if len(upper) < MANY else FEWER_SWEEPS
