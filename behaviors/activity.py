@@ -9,8 +9,7 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from fsm.host import Behavior as BehaviorInfo
-from fsm.host import Outcome
+from fsm.host import BehaviorInfo, Outcome
 from fsm.values.functions import EvaluationError
 from hal.vehicle import Observation
 

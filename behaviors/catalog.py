@@ -14,8 +14,7 @@ from typing import TypeGuard
 
 from behaviors.action import describe_action, is_action
 from behaviors.behavior import Behavior, describe
-from fsm.host import Behavior as BehaviorInfo
-from fsm.host import Function
+from fsm.host import BehaviorInfo, Function
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Scalar

@@ -18,7 +18,7 @@ from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
 from fsm.chart.graph import Graph
 from fsm.engine.instance import Instance
-from fsm.host import Behavior
+from fsm.host import BehaviorInfo
 from fsm.values.functions import EvaluationError
 from hal.vehicle import Hold, Order, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
@@ -84,7 +84,7 @@ class Pilot:
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
@@ -94,7 +94,7 @@ class Pilot:
             self.flight.order = None
         return DroneActivity(behavior, parameters, progress, self.flight, self.instance.post)
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> DroneActivity:
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> DroneActivity:
         """Go on with a behaviour of a saved run (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.flight.order = None

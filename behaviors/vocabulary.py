@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from behaviors.catalog import Catalog
-from fsm.host import Behavior, Function, Reaction, Vocabulary
+from fsm.host import BehaviorInfo, Function, Reaction, Vocabulary
 from fsm.values.types import BOOL, POINT, TEXT, MapOf, Number, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point
@@ -116,7 +116,7 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
 
 
 def drone_vocabulary(
-    own: Mapping[str, Behavior | Function] | None = None,
+    own: Mapping[str, BehaviorInfo | Function] | None = None,
     places: Iterable[str] | None = None,
     peers: Iterable[str] | None = None,
 ) -> Vocabulary:
@@ -127,8 +127,10 @@ def drone_vocabulary(
     """
     own = own or {}
     return Vocabulary(
-        behaviors=Catalog({n: known for n, known in own.items() if isinstance(known, Behavior)}),
-        functions={n: known for n, known in own.items() if isinstance(known, Function)},
+        behaviors=Catalog(
+            {n: known for n, known in own.items() if isinstance(known, BehaviorInfo)}
+        ),
+        functions={n: info for n, info in own.items() if isinstance(info, Function)},
         peers=None if peers is None else frozenset(peers),
         names={"vehicle": MapOf(VEHICLE)},
         events=EVENTS,

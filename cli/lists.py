@@ -13,7 +13,7 @@ import click
 from cli import missions as known
 from cli.look import VIEWS
 from cli.options import MissionName, Place, Word, renderer_option, shadows_option
-from fsm import Behavior, Parameter
+from fsm import BehaviorInfo, Parameter
 from hal.rendering import show_window
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
@@ -152,7 +152,7 @@ def behaviors(name: str | None, as_json: bool) -> None:
         _explain(catalog[name])
 
 
-def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
+def _behavior_facts(behavior: BehaviorInfo) -> dict[str, Any]:
     def names(fields: Any) -> dict[str, str]:
         return {name: str(type_) for name, type_ in fields.items()}
 
@@ -169,7 +169,7 @@ def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
     }
 
 
-def _explain(behavior: Behavior) -> None:
+def _explain(behavior: BehaviorInfo) -> None:
     click.echo(f"{behavior.name}\n\n{_plain(behavior.help)}\n")
     if behavior.parameters:
         click.echo("parameters (`live` ones may also stand under `live:`):")

@@ -33,7 +33,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Behavior:
+class BehaviorInfo:
     """A behaviour as graphs see it."""
 
     name: str
@@ -71,7 +71,7 @@ class Function:
 class Vocabulary:
     """Everything a graph may name that is not its own."""
 
-    behaviors: Mapping[str, Behavior] = field(default_factory=dict)
+    behaviors: Mapping[str, BehaviorInfo] = field(default_factory=dict)
     names: Mapping[str, Type] = field(default_factory=dict)
     """Host names in the order in which the host gives their values each period."""
     events: Mapping[str, Mapping[str, Type]] = field(default_factory=dict)
@@ -136,14 +136,14 @@ class Host(Protocol):
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
     ) -> Activity:
         """Start a behaviour. Never raises: one that cannot start fails in its first step."""
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> Activity:
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> Activity:
         """Go on with a behaviour of a saved run, from what its activity said in ``saved``."""
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from fsm.compiler.parameters import PARAMETER_KEYS
 from fsm.fleet import FLEET_KEYS, VEHICLE_KEYS
-from fsm.host import Behavior, Parameter, Vocabulary
+from fsm.host import BehaviorInfo, Parameter, Vocabulary
 from fsm.language.keys import (
     ACTIONS,
     EVENT_NAME,
@@ -276,7 +276,7 @@ def _properties(vocabulary: Vocabulary) -> dict[str, Schema]:
     return {key: {**schema, "description": _STATE_HELP[key]} for key, schema in found.items()}
 
 
-def _for_behavior(behavior: Behavior) -> Schema:
+def _for_behavior(behavior: BehaviorInfo) -> Schema:
     """What holds in a state whose ``do`` is this behaviour."""
     parameters = behavior.parameters.values()
     places = {
@@ -304,7 +304,7 @@ def _for_behavior(behavior: Behavior) -> Schema:
     return {"if": condition, "then": then}
 
 
-def _outcome_help(behavior: Behavior, word: str) -> str:
+def _outcome_help(behavior: BehaviorInfo, word: str) -> str:
     fields = {**behavior.outcomes, **behavior.events}.get(word, {})
     kind = "raises" if "." in word else "ends with"
     shown = ", ".join(f"event.{name}: {type_}" for name, type_ in fields.items())

@@ -13,7 +13,7 @@ from typing import Any, Self
 
 from fsm.chart.graph import Graph
 from fsm.engine.instance import Instance, Record
-from fsm.host import Behavior, Outcome
+from fsm.host import BehaviorInfo, Outcome
 from fsm.values.types import Bool, ListOf, MapOf, Number, PointType, Text, Type
 from vencejo.errors import nearest
 from vencejo.geometry import Point
@@ -40,7 +40,7 @@ def ends(outcome: str = "done", after: float = 0.0, **fields: Any) -> Ending:
 class Scripted:
     """A behaviour that does nothing, and ends as its script says."""
 
-    def __init__(self, behavior: Behavior, ending: Ending | None, steps: int = 0) -> None:
+    def __init__(self, behavior: BehaviorInfo, ending: Ending | None, steps: int = 0) -> None:
         self.published: Any = behavior.blank
         self.ending = ending
         self.steps = steps
@@ -72,7 +72,7 @@ class _TrialHost:
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
@@ -81,7 +81,7 @@ class _TrialHost:
         ending = self.behaviors.get(state) or self.behaviors.get(behavior.name)
         return Scripted(behavior, ending, (progress or {}).get("steps", 0))
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> Scripted:
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> Scripted:
         """See fsm.Host."""
         return self.begin(behavior, state, {}, saved)
 

@@ -17,7 +17,7 @@ from transitions.core import Condition, EventData, State, Transition
 
 from fsm.chart.digest import digest_of
 from fsm.expressions.compiled import Compiled
-from fsm.host import Behavior, Parameter, Vocabulary, matches
+from fsm.host import BehaviorInfo, Parameter, Vocabulary, matches
 from fsm.language.spec import MissionSpec, StateType, TriggerKind
 from fsm.values.conversion import convert
 from fsm.values.functions import FAILURES
@@ -67,7 +67,7 @@ class Data:
 class Invocation:
     """The ``do`` of a state."""
 
-    behavior: Behavior
+    behavior: BehaviorInfo
     with_: Mapping[str, Compiled]
     live: Mapping[str, Compiled]
     slot: int

@@ -8,7 +8,7 @@ from typing import Any
 
 from behaviors import Catalog, Flight, MissionFrame, Pilot, drone_vocabulary
 from behaviors.activity import DroneActivity
-from fsm import Behavior, Outcome, compile_mission, read_mission_text
+from fsm import BehaviorInfo, Outcome, compile_mission, read_mission_text
 from fsm.engine.instance import Record
 from hal.fake import FakeSession, FakeVehicle
 from hal.vehicle import PERIOD, Setpoint
@@ -32,7 +32,7 @@ class Solo:
 
     def __init__(
         self,
-        name: str | Behavior,
+        name: str | BehaviorInfo,
         values: Mapping[str, Any] | None = None,
         *,
         progress: Mapping[str, Any] | None = None,
@@ -89,7 +89,7 @@ class Rig:
         self,
         text: str,
         *,
-        own: Mapping[str, Behavior] | None = None,
+        own: Mapping[str, BehaviorInfo] | None = None,
         parameters: Mapping[str, Any] | None = None,
         places: Mapping[str, Point] | None = None,
         session: FakeSession | None = None,

@@ -59,10 +59,10 @@ def test_workers_add_up(patrol: pytest.Pytester) -> None:
 def test_a_text_and_a_vocabulary_of_ones_own(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         """
-        from fsm import Behavior, Vocabulary
+        from fsm import BehaviorInfo, Vocabulary
         from fsm.testing import ends
 
-        WORDS = Vocabulary({"cook": Behavior("cook", outcomes={"done": {}, "burnt": {}})})
+        WORDS = Vocabulary({"cook": BehaviorInfo("cook", outcomes={"done": {}, "burnt": {}})})
         MEAL = '''
         mission: meal
         states:

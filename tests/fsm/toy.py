@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from fsm import (
-    Behavior,
+    BehaviorInfo,
     Graph,
     Instance,
     Outcome,
@@ -49,7 +49,7 @@ def _parameters(*parameters: Parameter) -> dict[str, Parameter]:
 BEHAVIORS = {
     behavior.name: behavior
     for behavior in (
-        Behavior(
+        BehaviorInfo(
             "go",
             parameters=_parameters(
                 Parameter("to", POINT, live=True),
@@ -63,19 +63,19 @@ BEHAVIORS = {
             outcomes={"done": {}, "blocked": {"by": TEXT}},
             controls=("motion",),
         ),
-        Behavior(
+        BehaviorInfo(
             "rise",
             parameters=_parameters(Parameter("height", Number(LENGTH), required=True)),
             outcomes={"done": {}},
             controls=("motion",),
         ),
-        Behavior(
+        BehaviorInfo(
             "fly",
             parameters=_parameters(Parameter("route", ROUTE, required=True)),
             outcomes={"done": {}},
             controls=("motion",),
         ),
-        Behavior(
+        BehaviorInfo(
             "look",
             events={"tag.seen": {"id": Number(), "at": POINT}},
             publishes={
@@ -85,9 +85,9 @@ BEHAVIORS = {
             },
             blank=SimpleNamespace(visible=False, x=0.0, tags=[]),
         ),
-        Behavior("wait", outcomes={"done": {}}),
-        Behavior("blink", controls=("lights",)),
-        Behavior("settle", outcomes={"done": {}}, controls=("motion",), ends_landed=True),
+        BehaviorInfo("wait", outcomes={"done": {}}),
+        BehaviorInfo("blink", controls=("lights",)),
+        BehaviorInfo("settle", outcomes={"done": {}}, controls=("motion",), ends_landed=True),
     )
 }
 VOCABULARY = Vocabulary(
@@ -180,7 +180,7 @@ class Run:
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
@@ -193,7 +193,7 @@ class Run:
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
         self.log.append(f"send {event} to {to}: {dict(fields)}")
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> ToyActivity:
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> ToyActivity:
         self.log.append(f"resume {state}")
         resumed = {"steps": saved["steps"]}
         activity = ToyActivity(state, saved["with"], resumed, self.log, self.script)
