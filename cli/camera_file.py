@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from vencejo.errors import UserError
-from vencejo.nodes import Node, Scalar, read_file
+from vencejo.nodes import Scalar, YamlNode, read_file
 from vencejo.units import FREQUENCY, RATIO, TIME
 from worlds.values import ANGLE_VALUE, PLACE, Field, Value, array, count, names, quantity, record
 
@@ -39,7 +39,7 @@ _CAMERA = record(
 )
 
 
-def _camera(node: Node) -> dict[str, Any] | None:
+def _camera(node: YamlNode) -> dict[str, Any] | None:
     if isinstance(node, Scalar) and node.text == "false":
         return None
     return _CAMERA.read(node)

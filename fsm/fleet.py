@@ -19,7 +19,7 @@ from fsm.values.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, kind, read_file
+from vencejo.nodes import Scalar, YamlNode, kind, read_file
 from vencejo.units import TIME
 
 FLEET_KEYS = frozenset({"fleet", "description", "world", "vehicles", "until"})
@@ -121,7 +121,7 @@ def _parameters(member: Member, graph: Graph, faults: Faults) -> None:
             faults.fail("missing-parameter", message, member.name.where, hint)
 
 
-def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) -> Member:
+def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faults) -> Member:
     if not SMALL_NAME.fullmatch(name.text):
         hint = "a small letter, then small letters, digits and _"
         faults.fail("bad-name", f"'{name.text}' is no name for a vehicle", name.where, hint)

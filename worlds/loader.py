@@ -13,7 +13,7 @@ from typing import Any
 from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where
 from vencejo.geometry import Point, horizontal_distance
-from vencejo.nodes import Node, Scalar, read_file, read_text
+from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
 from worlds.kinds import BEACON, KINDS
 from worlds.model import Start, World
@@ -54,7 +54,7 @@ def read_world(text: str, name: str) -> World:
     return _world(read_text(text, name), Path(name), text, ())
 
 
-def _files(node: Node) -> Iterator[Path]:
+def _files(node: YamlNode) -> Iterator[Path]:
     """The pictures, meshes and models that a world file names and that are there."""
     if isinstance(node, nodes.Sequence):
         for item in node.items:

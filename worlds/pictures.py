@@ -6,7 +6,7 @@ from pathlib import Path
 from zlib import crc32
 
 from vencejo.errors import UserError, nearest
-from vencejo.nodes import Node
+from vencejo.nodes import YamlNode
 from worlds.things import Image
 from worlds.values import TEXT, Value
 
@@ -41,7 +41,7 @@ def _png_is_whole(data: bytes) -> bool:
     return False
 
 
-def _picture(node: Node) -> Image:
+def _picture(node: YamlNode) -> Image:
     path = file_of(node)
     problem = picture_problem(path)
     if problem is not None:
@@ -49,7 +49,7 @@ def _picture(node: Node) -> Image:
     return Image(path)
 
 
-def file_of(node: Node) -> Path:
+def file_of(node: YamlNode) -> Path:
     """The file that a text names, beside the world file. Raises UserError (``no-such-file``)."""
     path = Path(node.where.file).parent / TEXT.read(node)
     if not path.is_file():

@@ -49,7 +49,7 @@ class Action:
     where: Where
     run: Callable[[Any, dict[str, Any]], None]
     """Of the instance and the fields of the event."""
-    node: nodes.Node | None = None
+    node: nodes.YamlNode | None = None
     """What stands behind its word in the file, to show it."""
 
 

@@ -16,7 +16,7 @@ from fsm.values.functions import as_text, bounded
 from fsm.values.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, kind
+from vencejo.nodes import Scalar, YamlNode, kind
 from vencejo.units import TIME
 
 _SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
@@ -28,7 +28,7 @@ Events = Mapping[str, Mapping[str, Type]]
 def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
     """The event that an action raises or sends, with the names of its fields."""
     node, body = spec.node, None
-    name: Node | None = node if spec.kind == "raise" else None
+    name: YamlNode | None = node if spec.kind == "raise" else None
     if spec.kind == "raise" and isinstance(node, MapNode) and len(node.entries) == 1:
         name, body = node.entries[0]
     elif spec.kind == "send" and isinstance(node, MapNode) and not node.get("to"):
@@ -67,7 +67,7 @@ def _log(spec: ActionSpec, context: Context) -> Action:
     return Action("log", spec.where, lambda i, e: i.record("log", text=as_text(text(i.slots, e))))
 
 
-def _map(node: Node, what: str) -> MapNode:
+def _map(node: YamlNode, what: str) -> MapNode:
     if isinstance(node, MapNode):
         return node
     raise UserError("wrong-type", f"`{what}` is a map, not {kind(node)}", node.where)
@@ -101,7 +101,7 @@ def _assignments(spec: ActionSpec, context: Context) -> list[tuple[Binding, Comp
 
 
 def _assignment(
-    spec: ActionSpec, name: Scalar, node: Node, context: Context
+    spec: ActionSpec, name: Scalar, node: YamlNode, context: Context
 ) -> tuple[Binding, Compiled]:
     variable = _variable(name, context)
     place = variable.type
@@ -162,14 +162,14 @@ def _append(spec: ActionSpec, context: Context) -> Action:
 
 
 def _fields(
-    node: Node | None, shape: Mapping[str, Type], context: Context, where: Where
+    node: YamlNode | None, shape: Mapping[str, Type], context: Context, where: Where
 ) -> Compiled:
     """The fields of an event; those declared for it must be there."""
     fields = MapOf(shape, frozenset(shape)) if shape else MapOf()
     return read_value(node if node is not None else MapNode([], where), fields, context)
 
 
-def _event_name(node: Node | None, where: Where) -> str:
+def _event_name(node: YamlNode | None, where: Where) -> str:
     name = node.text if isinstance(node, Scalar) else ""
     if not EVENT_NAME.fullmatch(name):
         raise UserError("bad-event", "the name of an event with a dot is missing here", where)
@@ -180,7 +180,7 @@ def _event_name(node: Node | None, where: Where) -> str:
 
 def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
     node = spec.node
-    body: Node | None = None
+    body: YamlNode | None = None
     if isinstance(node, MapNode):
         if len(node.entries) != 1:
             raise UserError("wrong-type", "`raise` names one event", node.where)
@@ -219,7 +219,7 @@ def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
     return Action("send", spec.where, run)
 
 
-def _receiver(node: Node | None, context: Context) -> str:
+def _receiver(node: YamlNode | None, context: Context) -> str:
     """The vehicle an event is sent to; empty for one's own."""
     if node is None:
         return ""

@@ -16,7 +16,7 @@ from fsm.language.spec import Named
 from fsm.values.types import ANY, NAMED, TEXT, ListOf, Number, Text, Type
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, Sequence, read_text
+from vencejo.nodes import Scalar, Sequence, YamlNode, read_text
 
 PARAMETER_KEYS = frozenset({"type", "default", "min", "max", "choices", "help"})
 
@@ -57,7 +57,7 @@ def _given(text: str, type_: Type, place: Where) -> Any:
     """The value of a text from the command line."""
     if isinstance(type_, Text):
         # A text needs no quotes there, whatever it holds.
-        node: Node = Scalar(text.replace("$", "$$"), place, plain=False)
+        node: YamlNode = Scalar(text.replace("$", "$$"), place, plain=False)
     else:
         node = read_text(f"value: {text}", str(place)).entries[0][1]
     return read_value(node, type_, Context()).value()
@@ -93,7 +93,7 @@ def read_parameter(named: Named, context: Context, faults: Faults) -> Parameter:
     )
 
 
-def _default(name: str, node: Node, type_: Type, context: Context) -> Any:
+def _default(name: str, node: YamlNode, type_: Type, context: Context) -> Any:
     try:
         return constant_value(node, type_, context).value()
     except UserError as error:
@@ -132,7 +132,7 @@ def _bounded(node: MapNode, type_: Type, context: Context, faults: Faults) -> Ty
     return type_
 
 
-def constant_value(node: Node, type_: Type, context: Context) -> Compiled:
+def constant_value(node: YamlNode, type_: Type, context: Context) -> Compiled:
     """A plain value, known before anything runs. Raises UserError."""
     compiled = read_value(node, type_, Context(Scope(), context.places, context.world_places))
     if not compiled.constant:
@@ -140,7 +140,7 @@ def constant_value(node: Node, type_: Type, context: Context) -> Compiled:
     return compiled
 
 
-def named_type(node: Node, faults: Faults) -> Type | None:
+def named_type(node: YamlNode, faults: Faults) -> Type | None:
     """The type that stands after ``type:``."""
     if isinstance(node, Scalar) and node.text in NAMED:
         return NAMED[node.text]

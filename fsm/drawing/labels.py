@@ -15,7 +15,7 @@ def shortened(text: str, limit: int = SHORT) -> str:
     return line if len(line) <= limit else line[: limit - 1].rstrip() + "…"
 
 
-def flow(node: nodes.Node | None) -> str:
+def flow(node: nodes.YamlNode | None) -> str:
     """A YAML value in one line, as it would stand in flow style."""
     match node:
         case nodes.Mapping():

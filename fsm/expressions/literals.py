@@ -43,7 +43,7 @@ from fsm.values.types import (
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, Sequence, kind
+from vencejo.nodes import Scalar, Sequence, YamlNode, kind
 from vencejo.units import ANGLE, LENGTH, parse_number, parse_quantity, read_quantity
 
 _POINT_HELP = (
@@ -65,7 +65,7 @@ class Context:
     """The vehicles of the fleet; None outside of one."""
 
 
-def read_value(node: Node, place: Type, context: Context) -> Compiled:
+def read_value(node: YamlNode, place: Type, context: Context) -> Compiled:
     """The value of a node in a place of type ``place``. Raises UserError, all faults at once."""
     if isinstance(node, Scalar):
         compiled = _read_scalar(node, place, context)
@@ -83,7 +83,7 @@ def read_value(node: Node, place: Type, context: Context) -> Compiled:
     return compiled
 
 
-def _wrong(node: Node, place: Type, hint: str | None = None) -> UserError:
+def _wrong(node: YamlNode, place: Type, hint: str | None = None) -> UserError:
     return UserError("wrong-type", f"{kind(node)} is not {place}", node.where, hint)
 
 
@@ -236,7 +236,7 @@ def collecting(faults: list[Fault]) -> Iterator[None]:
         faults.extend(error.faults)
 
 
-def _read_all(nodes: list[tuple[Node, Type]], context: Context) -> list[Compiled]:
+def _read_all(nodes: list[tuple[YamlNode, Type]], context: Context) -> list[Compiled]:
     """Several values; the faults of all of them together."""
     faults: list[Fault] = []
     found = []
@@ -341,7 +341,7 @@ def _point_form(node: MapNode, context: Context) -> Compiled:
 def _fields_of(node: MapNode, shape: MapOf, context: Context, type_: Type) -> Compiled:
     faults: list[Fault] = []
     names: list[str] = []
-    values: list[tuple[Node, Type]] = []
+    values: list[tuple[YamlNode, Type]] = []
     for key, value in node:
         if shape.fields is not None and key.text not in shape.fields:
             hint = nearest(key.text, shape.fields)

@@ -22,7 +22,7 @@ from fsm.language.spec import (
     TriggerSpec,
 )
 from vencejo.errors import UserError, Where, nearest
-from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind
+from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, kind
 
 LANGUAGE = 1
 FLEET = "not-a-mission"
@@ -230,7 +230,7 @@ class _Reader:
             found.append(self.trigger("always", key, always))
         return tuple(found)
 
-    def trigger(self, trigger: TriggerKind, key: Scalar, value: Node) -> TriggerSpec:
+    def trigger(self, trigger: TriggerKind, key: Scalar, value: YamlNode) -> TriggerSpec:
         many = isinstance(value, Sequence)
         items = value.items if isinstance(value, Sequence) else [value]
         if many and not items:
@@ -238,7 +238,9 @@ class _Reader:
         alternatives = [self.transition(trigger, key, item) for item in items]
         return TriggerSpec(trigger, key, tuple(a for a in alternatives if a is not None))
 
-    def transition(self, trigger: TriggerKind, key: Scalar, node: Node) -> TransitionSpec | None:
+    def transition(
+        self, trigger: TriggerKind, key: Scalar, node: YamlNode
+    ) -> TransitionSpec | None:
         if isinstance(node, Scalar):
             if node.null or not node.text:
                 hint = "name a target, or write {} for `taken, nothing happens`"
@@ -295,7 +297,7 @@ class _Reader:
 
     def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> Mapping:
         """The map with each misspelt key read as the one that was meant."""
-        meant: list[tuple[Scalar, Node]] = []
+        meant: list[tuple[Scalar, YamlNode]] = []
         for key, value in node:
             if key.text in allowed:
                 meant.append((key, value))
@@ -325,8 +327,8 @@ class _Reader:
         return next((name.where for name, _ in node if name.text == key), node.where)
 
     def _expect(
-        self, node: Mapping, key: str, what: str, test: Callable[[Node], bool]
-    ) -> Node | None:
+        self, node: Mapping, key: str, what: str, test: Callable[[YamlNode], bool]
+    ) -> YamlNode | None:
         value = node.get(key)
         if value is None or test(value):
             return value
@@ -377,7 +379,7 @@ class _Reader:
                 self.fail("wrong-type", f"`{key}` is a text or a list of texts", item.where)
         return tuple(found)
 
-    def map(self, node: Mapping, key: str) -> list[tuple[Scalar, Node]]:
+    def map(self, node: Mapping, key: str) -> list[tuple[Scalar, YamlNode]]:
         value = self._expect(node, key, "a map", lambda v: isinstance(v, Mapping))
         return value.entries if isinstance(value, Mapping) else []
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vencejo.errors import Where
-from vencejo.nodes import Mapping, Node, Scalar
+from vencejo.nodes import Mapping, Scalar, YamlNode
 
 TriggerKind = Literal["on", "when", "after", "always"]
 ActionKind = Literal["set", "append", "raise", "send", "cancel", "log", "call"]
@@ -17,7 +17,7 @@ StateType = Literal["atomic", "compound", "parallel", "final", "history"]
 @dataclass(frozen=True, slots=True)
 class ActionSpec:
     kind: ActionKind
-    node: Node
+    node: YamlNode
     where: Where
 
 
@@ -58,7 +58,7 @@ class Named:
     """A key with whatever stands behind it."""
 
     name: Scalar
-    node: Node
+    node: YamlNode
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from fsm.language.spec import MissionSpec
 from fsm.scxml.document import Element
 from fsm.scxml.writer import DATAMODEL
 from vencejo.errors import UserError, Where, nearest
-from vencejo.nodes import Mapping, Node, Scalar, Sequence, read_text
+from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, read_text
 
 _STATES = ("state", "parallel", "final", "history")
 _BLOCKS = {"onentry": "entry", "onexit": "exit", "v:throughout": "throughout"}
@@ -30,7 +30,7 @@ _ATTRIBUTES = {
 """Beside ours; of a `send` every attribute is a key of the mission."""
 _SEND = {"event": "event", "id": "id", "delayexpr": "delay"}
 
-Entry = tuple[Scalar, Node]
+Entry = tuple[Scalar, YamlNode]
 
 
 def is_mission(root: Element) -> bool:
@@ -111,7 +111,7 @@ class _Importer:
 
     def triggers(self, element: Element, path: str) -> Iterator[Entry]:
         """The transitions of a state by kind; those of one trigger become its alternatives."""
-        kinds: dict[str, list[tuple[Scalar, list[Node]]]] = {}
+        kinds: dict[str, list[tuple[Scalar, list[YamlNode]]]] = {}
         for transition in element.all("transition"):
             attribute = next((name for name in _TRIGGERS if transition.get(name)), None)
             kind = _TRIGGERS[attribute] if attribute else "always"
@@ -137,13 +137,13 @@ class _Importer:
                 entries.append((key, Sequence(alternatives, key.where)))
             yield _key(kind, element), Mapping(entries, element.where)
 
-    def transition(self, element: Element, path: str) -> Node:
+    def transition(self, element: Element, path: str) -> YamlNode:
         _refuse_foreign(element)
         entries: list[Entry] = []
         ids = (element.get("target") or "").split()
         if ids:
             where = element.place("target")
-            targets: list[Node] = [Scalar(self.relative(path, id_), where) for id_ in ids]
+            targets: list[YamlNode] = [Scalar(self.relative(path, id_), where) for id_ in ids]
             entries.append((_key("target", element), Sequence(targets, where)))
             inside = all(id_.startswith(f"{path}." if path else "") for id_ in ids)
             if path and inside and element.get("type") != "internal":
@@ -176,7 +176,7 @@ class _Importer:
     # -- actions ----------------------------------------------------------------------------
 
     def actions(self, elements: Iterable[Element]) -> Sequence:
-        blocks: list[Node] = []
+        blocks: list[YamlNode] = []
         where = Where("")
         for element in elements:
             where = element.where
@@ -192,7 +192,7 @@ def _action(element: Element) -> Entry:
         case "v:set" | "v:append":
             return _named(element.tag[2:], element, element.all("assign"), "location")
         case "raise":
-            event: Node = _attribute(element, "event")
+            event: YamlNode = _attribute(element, "event")
             if element.get("v:with") is not None and isinstance(event, Scalar):
                 event = Mapping([(event, _value(element, "v:with"))], event.where)
             return _key("raise", element), event
@@ -253,13 +253,13 @@ def _named(key: str, element: Element, parts: Iterable[Element], name: str) -> E
     return _key(key, element), Mapping(entries, element.where)
 
 
-def _value(element: Element, attribute: str) -> Node:
+def _value(element: Element, attribute: str) -> YamlNode:
     """The YAML value in an attribute."""
     scalar = _attribute(element, attribute)
     return _yaml(scalar.text, scalar.where)
 
 
-def _content(element: Element) -> Node:
+def _content(element: Element) -> YamlNode:
     """The YAML value that is an element's text."""
     return _yaml(element.text, element.text_where or element.where)
 
@@ -267,7 +267,7 @@ def _content(element: Element) -> Node:
 _LEAD = "v: "
 
 
-def _yaml(text: str, where: Where) -> Node:
+def _yaml(text: str, where: Where) -> YamlNode:
     """One value, its places moved to where it stands in the document. Raises UserError."""
     try:
         node = read_text(_LEAD + text, where.file)
@@ -287,7 +287,7 @@ def _moved(place: Where, where: Where) -> Where:
     return where.right(max(0, place.column - 1 - len(_LEAD)))
 
 
-def _shift(node: Node, where: Where) -> Node:
+def _shift(node: YamlNode, where: Where) -> YamlNode:
     place = _moved(node.where, where)
     match node:
         case Scalar():

@@ -18,7 +18,7 @@ from fsm.language.spec import MissionSpec
 from fsm.scxml.document import OURS, SCXML
 from vencejo.errors import UserError, Where
 from vencejo.markup import ILLEGAL
-from vencejo.nodes import Mapping, Node, Scalar, Sequence
+from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode
 
 DATAMODEL = "vencejo"
 _SAFE = re.compile(r"(?:[^\s\-?:,\[\]{}#&*!|>'\"%@`]|-(?=\S))[^,\[\]{}\n]*")
@@ -47,7 +47,7 @@ def write_scxml(spec: MissionSpec) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
-def flow(node: Node) -> str:
+def flow(node: YamlNode) -> str:
     """A value in one line of YAML."""
     match node:
         case Sequence(items=items):
@@ -122,7 +122,7 @@ class _Writer:
 
     def triggers(self, element: Xml.Element, node: Mapping, path: str, kind: str) -> None:
         value = node.get(kind)
-        found: list[tuple[Scalar | None, Node]] = [*_entries(value)]
+        found: list[tuple[Scalar | None, YamlNode]] = [*_entries(value)]
         if kind == "always" and value is not None:
             found = [(None, value)]
         compound = node.get("states") is not None
@@ -135,7 +135,7 @@ class _Writer:
                     transition.set(f"v:{kind}", key.text)
                 self.transition(transition, item, path)
 
-    def transition(self, element: Xml.Element, node: Node, path: str) -> None:
+    def transition(self, element: Xml.Element, node: YamlNode, path: str) -> None:
         if not isinstance(node, Mapping):
             node = Mapping([(Scalar("target", node.where), node)], node.where)
         for key, value in node:
@@ -149,7 +149,7 @@ class _Writer:
                 case other:
                     element.set(f"v:{other}", flow(value))
 
-    def targets(self, element: Xml.Element, node: Node, path: str, reenter: bool) -> None:
+    def targets(self, element: Xml.Element, node: YamlNode, path: str, reenter: bool) -> None:
         source = self.nodes[path]
         scalars = [item for item in _items(node) if isinstance(item, Scalar)]
         targets = [self.tree.target(source, scalar) for scalar in scalars]
@@ -159,12 +159,12 @@ class _Writer:
 
     # -- actions ----------------------------------------------------------------------------
 
-    def actions(self, element: Xml.Element, node: Node) -> None:
+    def actions(self, element: Xml.Element, node: YamlNode) -> None:
         for block in _items(node):
             for kind, value in _entries(block):
                 self.action(element, kind.text, value)
 
-    def action(self, element: Xml.Element, kind: str, node: Node) -> None:
+    def action(self, element: Xml.Element, kind: str, node: YamlNode) -> None:
         match kind, node:
             case "set" | "append", Mapping(entries=entries):
                 # Several at once: their right sides all come first.
@@ -196,13 +196,13 @@ def event_of(trigger: str, path: str, compound: bool) -> str:
     return trigger
 
 
-def _entries(node: Node | None) -> list[tuple[Scalar, Node]]:
+def _entries(node: YamlNode | None) -> list[tuple[Scalar, YamlNode]]:
     return node.entries if isinstance(node, Mapping) else []
 
 
-def _items(node: Node) -> list[Node]:
+def _items(node: YamlNode) -> list[YamlNode]:
     return node.items if isinstance(node, Sequence) else [node]
 
 
-def _text(node: Node | None) -> str:
+def _text(node: YamlNode | None) -> str:
     return node.text if isinstance(node, Scalar) else ""
