@@ -8,25 +8,30 @@ by :class:`fsm.engine.instance.Instance`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 from transitions.core import Condition, EventData, State, Transition
 
 from fsm.chart.digest import digest_of
+from fsm.chart.draft import Draft, StateDraft, TransitionDraft, domain_of
+from fsm.chart.executable import Action, Data, Given, Invocation
+from fsm.chart.nesting import Nested
 from fsm.expressions.compiled import Compiled
-from fsm.host import BehaviorInfo, Parameter, Vocabulary, matches
+from fsm.host import Parameter, Vocabulary
 from fsm.language.spec import MissionSpec, StateType, TriggerKind
 from fsm.values.conversion import convert
 from fsm.values.functions import FAILURES
 from fsm.values.types import Type
-from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where, nearest
 
 Record = tuple[str, dict[str, Any]]
 """Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
+Catches = Callable[[str, str, Vocabulary], bool]
+"""Whether a pattern under ``on`` names an event or outcome, given the words of the host."""
 
 
 class Guard(Condition):
@@ -41,74 +46,64 @@ class Guard(Condition):
         return model.evaluate(self.func, event_data.kwargs, False) is True
 
 
-@dataclass(frozen=True, slots=True)
-class Action:
-    """One step of an action block, ready to run."""
+class Unchanging:
+    """What is shared by all instances of a graph, and so refuses to be changed.
 
-    kind: str
+    Callbacks may still be added to the lists that `transitions` keeps them in.
+    """
+
+    __slots__ = ()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a compiled graph does not change: '{name}' cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a compiled graph does not change: '{name}' cannot be deleted")
+
+
+class Edge(Unchanging, Transition):
+    """One alternative of a transition, in `transitions`' form."""
+
+    node: Node
+    """The state it stands in."""
+    kind: TriggerKind
+    trigger: str
+    """The event, condition or duration that it waits for, as written."""
     where: Where
-    run: Callable[[Any, dict[str, Any]], None]
-    """Of the instance and the fields of the event."""
-    node: nodes.YamlNode | None = None
-    """What stands behind its word in the file, to show it."""
+    label: str
+    """The name it was given, or nothing."""
+    targets: tuple[Node, ...]
+    domain: Node | None
+    """The state whose inside is left; None when nothing is."""
+    guard: Compiled | None
+    hold: Compiled | None
+    """How long its condition must last."""
+    actions: tuple[Action, ...]
+    reenter: bool
+    """Whether its state is left even when all targets lie inside."""
 
-
-@dataclass(frozen=True, slots=True)
-class Data:
-    """A variable of a state."""
-
-    name: str
-    slot: int
-    type: Type
-    initial: Compiled
-
-
-@dataclass(frozen=True, slots=True)
-class Invocation:
-    """The ``do`` of a state."""
-
-    behavior: BehaviorInfo
-    with_: Mapping[str, Compiled]
-    live: Mapping[str, Compiled]
-    slot: int
-    """Where its published values stand; -1 when it publishes nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Given:
-    """A parameter of an included graph, filled whenever that is entered."""
-
-    name: str
-    slot: int
-    default: Any
-    with_: Compiled | None = None
-    live: Compiled | None = None
-
-
-class Edge(Transition):
-    """One alternative of a transition."""
-
-    def __init__(
-        self,
-        source: Node,
-        kind: TriggerKind,
-        trigger: str,
-        where: Where,
-        name: str = "",
-    ) -> None:
-        super().__init__(source.path, "")
-        self.node = source
-        self.kind = kind
-        self.trigger = trigger
-        self.where = where
-        self.label = name
-        self.targets: tuple[Node, ...] = ()
-        self.domain: Node | None = None
-        """The state whose inside is left; None when nothing is."""
-        self.guard: Compiled | None = None
-        self.actions: tuple[Action, ...] = ()
-        self.hold: Compiled | None = None
-        self.reenter = False
+    def __init__(self, draft: TransitionDraft, source: StateDraft, nodes: Sequence[Node]) -> None:
+        domain = domain_of(source, draft.targets, draft.reenter)
+        vars(self).update(
+            node=nodes[source.index],
+            kind=draft.kind,
+            trigger=draft.trigger,
+            where=draft.where,
+            label=draft.name,
+            targets=tuple([nodes[target.index] for target in draft.targets]),
+            domain=None if domain is None else nodes[domain.index],
+            guard=draft.guard,
+            hold=draft.hold,
+            actions=draft.actions,
+            reenter=draft.reenter,
+            # What `transitions` knows of it.
+            source=source.path,
+            dest=", ".join([target.path for target in draft.targets]),
+            prepare=[],
+            before=[],
+            after=[],
+            conditions=[] if draft.guard is None else [Guard(draft.guard)],
+        )
 
     @cached_property
     def taking(self) -> Record:
@@ -134,68 +129,110 @@ class After:
     edges: tuple[Edge, ...]
 
 
-class Node(State):
-    """One state. ``path`` is its full name: ``patrol.follow``; the root's is empty."""
+class Node(Unchanging, Nested, State):
+    """One state, in `transitions`' form. Made by :func:`build_nodes`."""
 
-    def __init__(self, name: str, path: str, type_: StateType, index: int, where: Where) -> None:
-        super().__init__(path, final=type_ == "final")
-        self.local_name = name
-        self.path = path
-        self.type = type_
-        self.index = index
-        self.mask = 1 << index
-        self.where = where
-        self.description = ""
-        self.parent: Node | None = None
-        self.children: tuple[Node, ...] = ()
-        self.border = False
-        """Whether a graph begins here: it is the root, or the only child of a state that includes
-        one. Names, targets and outcomes other than `failed` do not cross it."""
-        self.given: tuple[Given, ...] = ()
-        """Parameters of the graph that begins here, when it is included."""
-        self.ancestors: tuple[Node, ...] = ()
-        """From the parent outwards to the root."""
-        self.last = index
-        """Index of the last state inside; document order makes ``index … last`` this subtree."""
-        self.initial: tuple[Node, ...] = ()
-        self.deep = False
-        self.entered_slot = -1
-        self.data: tuple[Data, ...] = ()
-        self.entry: tuple[Action, ...] = ()
-        self.default_actions: tuple[Action, ...] = ()
-        """SCXML's actions of a default entry, run after those of the state; a history state's
-        belong to its first time."""
-        self.exit_actions: tuple[Action, ...] = ()
-        self.throughout: tuple[Action, ...] = ()
-        self.invocation: Invocation | None = None
-        self.on: tuple[tuple[str, tuple[Edge, ...]], ...] = ()
-        self.always: tuple[Edge, ...] = ()
-        self.whens: tuple[When, ...] = ()
-        self.afters: tuple[After, ...] = ()
-        self.outcome = "done"
-        self.output: Mapping[str, Compiled] = {}
-        self.entering: Record = ("enter", {"state": path})
-        self.leaving: Record = ("exit", {"state": path})
-        """What is recorded when it is entered and left."""
-        self._edges_of: dict[str, tuple[Edge, ...]] = {}
-        self.fills = self.waits = False
-        """Whether an entry gives values to anything, and whether it arms conditions or timers."""
+    local_name: str
+    path: str
+    """Its full name: ``patrol.follow``; the root's is empty."""
+    type: StateType
+    mask: int
+    """The bit that stands for it in a configuration."""
+    where: Where
+    description: str
+    parent: Node | None
+    children: tuple[Node, ...]
+    ancestors: tuple[Node, ...]
+    """From the parent outwards to the root."""
+    given: tuple[Given, ...]
+    """Parameters of the graph that begins here, when it is included."""
+    initial: tuple[Node, ...]
+    """Where an entry of a compound state goes on to; where history goes the first time."""
+    deep: bool
+    """Whether a history state remembers the leaves, and not only the children."""
+    entered_slot: int
+    """Where the time of its entry stands."""
+    data: tuple[Data, ...]
+    entry: tuple[Action, ...]
+    default_actions: tuple[Action, ...]
+    """SCXML's actions of a default entry, run after those of the state; a history state's belong
+    to its first time."""
+    exit_actions: tuple[Action, ...]
+    throughout: tuple[Action, ...]
+    invocation: Invocation | None
+    on: tuple[tuple[str, tuple[Edge, ...]], ...]
+    """Transitions by the pattern of the events that they wait for."""
+    catches: Catches
+    whens: tuple[When, ...]
+    afters: tuple[After, ...]
+    always: tuple[Edge, ...]
+    outcome: str
+    """The outcome that a final state gives."""
+    output: Mapping[str, Compiled]
+    entering: Record
+    """What is recorded when it is entered."""
+    leaving: Record
+    """What is recorded when it is left."""
+    fills: bool
+    """Whether an entry gives values to anything."""
+    waits: bool
+    """Whether an entry arms conditions or timers."""
+    _edges_of: dict[str, tuple[Edge, ...]]
 
-    @property
-    def owner(self) -> Node:
-        """Whose outcome it is when what is inside ends: of an included graph, its includer's."""
-        return self.parent.owner if self.border and self.parent else self
+    def __init__(self) -> None:
+        """An empty state: all must exist before they can refer to each other."""
 
-    def outwards(self) -> Iterator[Node]:
-        """This state and those around it in the same graph."""
-        for node in (self, *self.ancestors):
-            yield node
-            if node.border:
-                return
+    def _fill(
+        self, draft: StateDraft, nodes: Sequence[Node], first_slot: int, catches: Catches
+    ) -> None:
+        path, index = draft.path, draft.index
+        parent = None if draft.parent is None else nodes[draft.parent.index]
 
-    def contains(self, other: Node) -> bool:
-        """Whether ``other`` lies inside, this state itself apart."""
-        return self.index < other.index <= self.last
+        def edges(drafts: Iterable[TransitionDraft]) -> tuple[Edge, ...]:
+            return tuple([Edge(each, draft, nodes) for each in drafts])
+
+        vars(self).update(
+            local_name=draft.name,
+            path=path,
+            type=draft.type,
+            index=index,
+            last=draft.last,
+            mask=1 << index,
+            where=draft.where,
+            description=draft.description,
+            parent=parent,
+            children=tuple([nodes[child.index] for child in draft.children]),
+            ancestors=() if parent is None else (parent, *parent.ancestors),
+            border=draft.border,
+            given=draft.given,
+            initial=tuple([nodes[state.index] for state in draft.initial]),
+            deep=draft.deep,
+            entered_slot=first_slot + index,
+            data=draft.data,
+            entry=draft.entry,
+            default_actions=draft.default_actions,
+            exit_actions=draft.exit_actions,
+            throughout=draft.throughout,
+            invocation=draft.invocation,
+            on=tuple([(pattern, edges(drafts)) for pattern, drafts in draft.on]),
+            catches=catches,
+            whens=tuple([When(condition, edges(drafts)) for condition, drafts in draft.whens]),
+            afters=tuple([After(duration, edges(drafts)) for duration, drafts in draft.afters]),
+            always=edges(draft.always),
+            outcome=draft.outcome,
+            output=MappingProxyType(draft.output),
+            entering=("enter", {"state": path}),
+            leaving=("exit", {"state": path}),
+            fills=bool(draft.given or draft.data or draft.invocation),
+            waits=bool(draft.whens or draft.afters),
+            _edges_of={},
+            # What `transitions` knows of it.
+            _name=path,
+            final=draft.type == "final",
+            ignore_invalid_triggers=None,
+            on_enter=[],
+            on_exit=[],
+        )
 
     def edges(self) -> Iterable[Edge]:
         """Every transition that stands in this state."""
@@ -211,15 +248,26 @@ class Node(State):
         """The transitions this event or outcome may take here, in order."""
         found = self._edges_of.get(event)
         if found is None:
-            guarded = event.startswith("error.") or vocabulary.is_urgent(event)
             found = tuple(
                 edge
                 for pattern, edges in self.on
-                if matches(pattern, event) or (pattern == "*" and not guarded)
+                if self.catches(pattern, event, vocabulary)
                 for edge in edges
             )
             self._edges_of[event] = found
         return found
+
+
+def build_nodes(draft: Draft, first_slot: int, catches: Catches) -> tuple[Node, ...]:
+    """The states of a graph in document order, with their transitions, as its draft says.
+
+    The time of each state's entry stands in a slot of its own, from ``first_slot`` on. ``catches``
+    is the rule by which the graph's language matches events.
+    """
+    nodes = tuple([Node() for _ in draft])
+    for node, state in zip(nodes, draft, strict=True):
+        node._fill(state, nodes, first_slot, catches)
+    return nodes
 
 
 @dataclass(eq=False)
@@ -228,8 +276,7 @@ class Graph:
 
     name: str
     description: str
-    root: Node
-    nodes: Sequence[Node]
+    nodes: tuple[Node, ...]
     """All states in document order; the root is the first."""
     parameters: Mapping[str, Parameter]
     parameter_slots: Mapping[str, int]
@@ -240,7 +287,7 @@ class Graph:
     outer_first: bool
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
-    by_path: Mapping[str, Node] = field(default_factory=dict)
+    by_path: Mapping[str, Node] = field(init=False, repr=False)
     visited: dict[int, Any] = field(default_factory=dict, repr=False)
     """Configurations that instances have been in, by their masks."""
     models: dict[type, type] = field(default_factory=dict, repr=False)
@@ -252,9 +299,11 @@ class Graph:
     """What it was compiled from when that is no mission: the root of an SCXML document."""
 
     def __post_init__(self) -> None:
-        for node in self.nodes:
-            node.fills = bool(node.given or node.data or node.invocation)
-            node.waits = bool(node.whens or node.afters)
+        self.by_path = MappingProxyType({node.path: node for node in self.nodes})
+
+    @property
+    def root(self) -> Node:
+        return self.nodes[0]
 
     @cached_property
     def digest(self) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from fsm.chart.graph import Action, Edge, Node
+from fsm.chart.executable import Action
+from fsm.chart.graph import Edge, Node
 from vencejo import nodes
 
 SHORT = 34

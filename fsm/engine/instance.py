@@ -22,7 +22,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fsm.chart.entry_sets import default_entry
-from fsm.chart.graph import Edge, Graph, Invocation, Node, Record
+from fsm.chart.executable import Invocation
+from fsm.chart.graph import Edge, Graph, Node, Record
 from fsm.chart.selection import chain, select
 from fsm.engine.events import NOTHING, Event
 from fsm.engine.microstep import Configuration, Running

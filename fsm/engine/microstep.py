@@ -16,7 +16,8 @@ from transitions.core import EventData
 
 from fsm.chart.configuration import Step, active
 from fsm.chart.entry_sets import default_entry, entry_set
-from fsm.chart.graph import Action, After, Edge, Graph, Node, Record
+from fsm.chart.executable import Action
+from fsm.chart.graph import After, Edge, Graph, Node, Record
 from fsm.chart.model import model_class
 from fsm.engine.events import Event
 from fsm.engine.history import Memory, Progress, remember

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from fsm.chart.graph import Action
+from fsm.chart.executable import Action
 from fsm.engine.events import Event
 from fsm.expressions.compiled import Compiled, Function
 from fsm.faults import Faults

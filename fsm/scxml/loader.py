@@ -8,14 +8,17 @@ Not supported, and reported: ``invoke``, late binding, data and scripts in other
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
-from fsm.chart.graph import Data, Edge, Graph, Guard, Node
+from fsm.chart.draft import MAX_STATE_DEPTH, Draft, StateDraft, TransitionDraft, compatible
+from fsm.chart.executable import Data
+from fsm.chart.graph import Graph, build_nodes
 from fsm.checks.structure import dead_alternatives, endless_always, endless_states, unreachable
-from fsm.compiler.tree import domain_of
 from fsm.expressions.compiled import Compiled, constant
 from fsm.expressions.scope import FIRST_HOST_SLOT
 from fsm.faults import Faults
@@ -30,7 +33,6 @@ from vencejo.errors import Fault, UserError, Where, nearest
 VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})
 """A document names nothing of the host, and the host reacts to nothing in it."""
 
-MAX_STATE_DEPTH = 64
 _STATES = ("state", "parallel", "final", "history")
 _KNOWN = {
     "scxml": {"state", "parallel", "final", "datamodel", "script", "transition"},
@@ -39,20 +41,6 @@ _KNOWN = {
     "final": {"onentry", "onexit", "donedata"},
     "history": {"transition"},
 }
-
-
-class ScxmlNode(Node):
-    """A state whose events are matched as SCXML matches them."""
-
-    def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
-        """The transitions this event may take here, in document order."""
-        found = self._edges_of.get(event)
-        if found is None:
-            found = tuple(
-                edge for pattern, edges in self.on if catches(pattern, event) for edge in edges
-            )
-            self._edges_of[event] = found
-        return found
 
 
 def catches(descriptors: str, event: str) -> bool:
@@ -76,8 +64,7 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
     graph = _Loader(root, name, vocabulary, faults).graph()
     if faults:
         raise UserError.of(_in_order(faults))
-    graph.warnings = tuple(_in_order(_odd(graph)))
-    return graph
+    return replace(graph, warnings=tuple(_in_order(_odd(graph))))
 
 
 def _odd(graph: Graph) -> Iterator[Fault]:
@@ -109,76 +96,66 @@ class _Loader:
         self.faults = faults
         self.vocabulary = vocabulary
         self.first_slot = FIRST_HOST_SLOT + len(vocabulary.names)
-        self.nodes: list[Node] = []
+        self.states = Draft()
         self.elements: list[Element] = []
-        self.by_id: dict[str, Node] = {}
+        """By the index of the state."""
+        self.by_id: dict[str, StateDraft] = {}
         if root.get("binding") == "late":
             faults.fail("not-supported", "late binding is not supported", root.place("binding"))
-        self.grow(root, None, 0)
+        self.grow(root, None)
 
-    def grow(self, element: Element, parent: Node | None, depth: int) -> Node:
-        if depth > MAX_STATE_DEPTH:
+    def grow(self, element: Element, parent: StateDraft | None) -> None:
+        """Add the state of an element, with all inside."""
+        id_ = "" if parent is None else element.get("id") or f"state.{len(self.states)}"
+        state = self.states.add(id_, id_, _type(element), element.where, parent)
+        if state.depth > MAX_STATE_DEPTH:
             message = f"states nest at most {MAX_STATE_DEPTH} deep"
             raise UserError("too-deep", message, element.where)
-        index = len(self.nodes)
-        id_ = "" if parent is None else element.get("id") or f"state.{index}"
-        node = ScxmlNode(id_, id_, _type(element), index, element.where)
-        node.parent = parent
-        node.border = parent is None
-        node.ancestors = (parent, *parent.ancestors) if parent else ()
+        state.border = parent is None
         if element.tag == "history":
             with self.faults.collecting():
-                node.deep = _kind(element, "shallow", "deep") == "deep"
-        node.entered_slot = self.first_slot + index
+                state.deep = _kind(element, "shallow", "deep") == "deep"
         if id_ in self.by_id:
             message = f"the id '{id_}' stands twice, first at {self.by_id[id_].where}"
             self.faults.fail("duplicate-id", message, element.place("id"))
-        self.by_id[id_] = node
-        self.nodes.append(node)
+        self.by_id[id_] = state
         self.elements.append(element)
+        known = _KNOWN[element.tag]
         for child in element.children:
-            known = child.tag in _KNOWN[element.tag] or child.tag.startswith(("{", "v:"))
-            if not known:
+            if child.tag not in known and not child.tag.startswith(("{", "v:")):
                 what = f"<{child.tag}> in <{element.tag}> is not supported"
-                hint = nearest(child.tag, _KNOWN[element.tag])
-                self.faults.fail("not-supported", what, child.where, hint)
-        node.children = tuple(
-            self.grow(child, node, depth + 1)
-            for child in element.all(*_STATES)
-            if child.tag in _KNOWN[element.tag]
-        )
-        node.last = len(self.nodes) - 1
-        return node
+                self.faults.fail("not-supported", what, child.where, nearest(child.tag, known))
+        for child in element.all(*_STATES):
+            if child.tag in known:
+                self.grow(child, state)
 
     def graph(self) -> Graph:
-        root = self.nodes[0]
-        event_slot = self.first_slot + len(self.nodes)
+        event_slot = self.first_slot + len(self.states)
         counter = event_slot + 1
         variables = dict.fromkeys(["_sessionid", "_name", *self.declared()])
         slots = {name: counter + 1 + place for place, name in enumerate(variables)}
-        states = {node.path: node.index for node in self.nodes[1:]}
+        states = {state.path: state.index for state in self.states[1:]}
         names = Names(slots, states, event_slot)
         self.content = Content(names, self.faults, counter)
-        if not root.children:
+        if len(self.states) == 1:
             self.faults.fail("no-states", "there is no state in here", self.root.where)
         else:
             self.link()
-            root.data = tuple(self.data(names))
-            for node, element in zip(self.nodes, self.elements, strict=True):
-                self.fill(node, element)
+            self.states[0].data = tuple(self.data(names))
+            for state, element in zip(self.states, self.elements, strict=True):
+                self.fill(state, element)
+        nothing: Mapping[str, Any] = MappingProxyType({})
         return Graph(
             name=self.name,
             description="",
-            root=root,
-            nodes=tuple(self.nodes),
-            parameters={},
-            parameter_slots={},
+            nodes=build_nodes(self.states, self.first_slot, lambda d, event, _: catches(d, event)),
+            parameters=nothing,
+            parameter_slots=nothing,
             vocabulary=self.vocabulary,
             slots=counter + 1 + len(variables),
-            events={},
+            events=nothing,
             world=None,
             outer_first=False,
-            by_path=dict(self.by_id),
             event_slot=event_slot,
             document=self.root,
         )
@@ -225,41 +202,43 @@ class _Loader:
     # -- where states lead ------------------------------------------------------------------
 
     def link(self) -> None:
-        for node, element in zip(self.nodes, self.elements, strict=True):
+        """Find the initial states, and where history goes the first time."""
+        for state, element in zip(self.states, self.elements, strict=True):
             with self.faults.collecting():
-                if node.type == "compound":
-                    node.initial = self.initial(node, element)
-                elif node.type == "history":
-                    node.initial = self.first_time(node, element)
+                if state.type == "compound":
+                    state.initial = self.initial(state, element)
+                elif state.type == "history":
+                    state.initial = self.default_targets(state, element)
 
-    def initial(self, node: Node, element: Element) -> tuple[Node, ...]:
+    def initial(self, state: StateDraft, element: Element) -> tuple[StateDraft, ...]:
         transition = _transition_of(next(element.all("initial"), None))
         if element.get("initial") is not None:
             targets = self.targets(element, "initial")
         elif transition is not None:
             targets = self.targets(transition, "target")
         else:
-            targets = tuple(child for child in node.children if child.type != "history")[:1]
-        outside = next((target for target in targets if not node.contains(target)), None)
+            targets = tuple([c for c in state.children if c.type != "history"][:1])
+        outside = next((target for target in targets if not state.contains(target)), None)
         if outside is not None or not targets:
             what = f"'{outside.path}' is not inside" if outside else "no initial state is in here"
             raise UserError("unknown-target", what, element.place("initial"))
         return targets
 
-    def first_time(self, node: Node, element: Element) -> tuple[Node, ...]:
+    def default_targets(self, history: StateDraft, element: Element) -> tuple[StateDraft, ...]:
+        """The states that a history state stands for the first time. Raises UserError."""
         transition = _transition_of(element)
-        assert node.parent is not None
+        assert history.parent is not None
         if transition is None or transition.get("target") is None:
             what = "a history state needs a <transition> for the first time"
             raise UserError("missing-transition", what, element.where)
         targets = self.targets(transition, "target")
         for target in targets:
-            if not node.parent.contains(target) or target.type == "history":
+            if not history.parent.contains(target) or target.type == "history":
                 what = f"'{target.path}' is no state beside this history"
                 raise UserError("unknown-target", what, transition.place("target"))
         return targets
 
-    def targets(self, element: Element, attribute: str) -> tuple[Node, ...]:
+    def targets(self, element: Element, attribute: str) -> tuple[StateDraft, ...]:
         ids = (element.get(attribute) or "").split()
         for id_ in ids:
             if not id_ or id_ not in self.by_id:
@@ -267,11 +246,10 @@ class _Loader:
                 raise UserError(
                     "unknown-target", what, where, nearest(id_, filter(None, self.by_id))
                 )
-        targets = tuple(self.by_id[id_] for id_ in ids)
+        targets = tuple([self.by_id[id_] for id_ in ids])
         # In document order, two that clash have neighbours that do.
         for a, b in pairwise(sorted(targets, key=lambda target: target.index)):
-            common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
-            if common.type != "parallel" or common in (a, b):
+            if not compatible(a, b):
                 raise UserError(
                     "conflicting-targets",
                     f"'{a.path}' and '{b.path}' cannot be entered together",
@@ -282,51 +260,43 @@ class _Loader:
 
     # -- what stands in each state ----------------------------------------------------------
 
-    def fill(self, node: Node, element: Element) -> None:
+    def fill(self, state: StateDraft, element: Element) -> None:
         content = self.content
-        node.entry = content.blocks(element.all("onentry"))
-        if node.parent is None:
-            node.entry = content.actions(element.all("script"))
-        node.exit_actions = content.blocks(element.all("onexit"))
+        if state.parent is None:
+            state.entry = content.actions(element.all("script"))
+        else:
+            state.entry = content.blocks(element.all("onentry"))
+        state.exit_actions = content.blocks(element.all("onexit"))
         donedata = next(element.all("donedata"), None)
         if donedata is not None:
             with self.faults.collecting():
-                node.output = {
-                    name: Compiled(ANY, function, name, donedata.where)
-                    for name, function in content.fields(donedata).items()
-                }
-        if node.type == "history":
+                for name, function in content.fields(donedata).items():
+                    state.output[name] = Compiled(ANY, function, name, donedata.where)
+        if state.type == "history":
             holder = _transition_of(element)
         else:
             holder = _transition_of(next(element.all("initial"), None))
-        node.default_actions = content.actions(holder.children) if holder else ()
-        on: list[tuple[str, tuple[Edge, ...]]] = []
-        always: list[Edge] = []
-        for transition in element.all("transition") if node.type != "history" else ():
-            with self.faults.collecting():
-                edge = self.edge(node, transition)
-                if edge.kind == "on":
-                    on.append((edge.trigger, (edge,)))
-                else:
-                    always.append(edge)
-        node.on, node.always = tuple(on), tuple(always)
+            for transition in element.all("transition"):
+                with self.faults.collecting():
+                    self.transition(state, transition)
+        state.default_actions = content.actions(holder.children) if holder else ()
 
-    def edge(self, node: Node, element: Element) -> Edge:
-        event = element.get("event")
+    def transition(self, state: StateDraft, element: Element) -> None:
+        """Add a transition to its state. Raises UserError."""
+        event = None if element.get("event") is None else needed(element, "event")
+        draft = TransitionDraft(
+            "always" if event is None else "on",
+            event or "always",
+            element.where,
+            reenter=_kind(element, "external", "internal") == "external",
+            guard=self.content.condition(element),
+            actions=self.content.actions(element.children),
+            targets=self.targets(element, "target"),
+        )
         if event is None:
-            edge = Edge(node, "always", "always", element.where)
+            state.always.append(draft)
         else:
-            edge = Edge(node, "on", needed(element, "event"), element.where)
-        edge.reenter = _kind(element, "external", "internal") == "external"
-        edge.guard = self.content.condition(element)
-        if edge.guard is not None:
-            edge.conditions.append(Guard(edge.guard))
-        edge.actions = self.content.actions(element.children)
-        edge.targets = self.targets(element, "target")
-        if edge.targets:
-            edge.dest = ", ".join(target.path for target in edge.targets)
-            edge.domain = domain_of(node, edge.targets, edge.reenter)
-        return edge
+            state.on.append((event, [draft]))
 
 
 def _type(element: Element) -> StateType:

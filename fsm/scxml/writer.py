@@ -33,7 +33,7 @@ _HISTORY = frozenset({"deep", "target"})
 def write_scxml(spec: MissionSpec) -> str:
     """A mission that compiles, as an SCXML document. Raises UserError."""
     faults = Faults()
-    writer = _Writer(Tree(spec, 0, faults))
+    writer = _Writer(Tree(spec, faults))
     assert spec.node is not None, "the reader keeps the node of every mission"
     root = Xml.Element("scxml", {"xmlns": SCXML, "xmlns:v": OURS, "version": "1.0"})
     root.set("datamodel", DATAMODEL)
@@ -69,7 +69,7 @@ class _Writer:
 
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
-        self.nodes = {node.path: node for node in tree.nodes}
+        self.states = {state.path: state for state in tree.states}
 
     def state(self, element: Xml.Element, node: Mapping, path: str, done: frozenset[str]) -> None:
         type_ = _text(node.get("type"))
@@ -150,7 +150,7 @@ class _Writer:
                     element.set(f"v:{other}", flow(value))
 
     def targets(self, element: Xml.Element, node: YamlNode, path: str, reenter: bool) -> None:
-        source = self.nodes[path]
+        source = self.states[path]
         scalars = [item for item in _items(node) if isinstance(item, Scalar)]
         targets = [self.tree.target(source, scalar) for scalar in scalars]
         element.set("target", " ".join(target.path for target in targets))
