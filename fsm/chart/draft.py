@@ -65,13 +65,13 @@ class StateDraft(Nested):
     exit_actions: tuple[Action, ...] = ()
     throughout: tuple[Action, ...] = ()
     invocation: Invocation | None = None
-    on: list[tuple[str, Alternatives]] = field(default_factory=list)
+    on: Sequence[tuple[str, Alternatives]] = ()
     """Transitions by the pattern of the events that they wait for."""
-    whens: list[tuple[Compiled, Alternatives]] = field(default_factory=list)
-    afters: list[tuple[Compiled, Alternatives]] = field(default_factory=list)
-    always: list[TransitionDraft] = field(default_factory=list)
+    whens: Sequence[tuple[Compiled, Alternatives]] = ()
+    afters: Sequence[tuple[Compiled, Alternatives]] = ()
+    always: Alternatives = ()
     outcome: str = "done"
-    output: dict[str, Compiled] = field(default_factory=dict)
+    output: Sequence[tuple[str, Compiled]] = ()
 
 
 class Draft(list[StateDraft]):
@@ -112,8 +112,8 @@ def domain_of(
     """
     if not targets:
         return None
-    first = min([target.index for target in targets])
-    last = max([target.index for target in targets])
+    indices = [target.index for target in targets]
+    first, last = min(indices), max(indices)
     within = source.index < first and last <= source.last
     if within and (source.border or (source.type == "compound" and not reenter)):
         return source

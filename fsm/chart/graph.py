@@ -220,7 +220,7 @@ class Node(Unchanging, Nested, State):
             afters=tuple([After(duration, edges(drafts)) for duration, drafts in draft.afters]),
             always=edges(draft.always),
             outcome=draft.outcome,
-            output=MappingProxyType(draft.output),
+            output=MappingProxyType(dict(draft.output)),
             entering=("enter", {"state": path}),
             leaving=("exit", {"state": path}),
             fills=bool(draft.given or draft.data or draft.invocation),

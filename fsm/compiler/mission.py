@@ -119,32 +119,40 @@ class _Compiler:
         for define in spec.define:
             with self.faults.collecting():
                 self.define(define, scope)
-        for named in spec.output:
-            with self.faults.collecting():
-                value = read_value(named.node, ANY, self.own.context(scope))
-                state.output[named.name.text] = value
+        state.output = self.output(spec, scope)
         known = len(self.faults)
-        for trigger in spec.triggers:
-            with self.faults.collecting():
-                self.trigger(state, trigger, scope)
+        self.triggers(state, spec, scope)
         failed = any(fault.severity == "error" for fault in self.faults[known:])
         if spec.flawed or failed or self.tree.lacks(state):
             self.flawed.add(state)
 
-    def trigger(self, state: StateDraft, trigger: TriggerSpec, scope: Scope) -> None:
-        """Add the transitions of a trigger to its state. Raises UserError."""
-        match trigger.kind:
-            case "on":
-                event = self.event_scope(state, trigger.key, scope)
-                state.on.append((trigger.key.text, self.alternatives(state, trigger, event)))
-            case "when":
-                condition = expression(trigger.key, scope, BOOL)
-                state.whens.append((condition, self.alternatives(state, trigger, scope)))
-            case "after":
-                duration = expression(trigger.key, scope, Number(TIME))
-                state.afters.append((duration, self.alternatives(state, trigger, scope)))
-            case "always":
-                state.always.extend(self.alternatives(state, trigger, scope))
+    def output(self, spec: StateSpec, scope: Scope) -> list[tuple[str, Compiled]]:
+        found = []
+        for named in spec.output:
+            with self.faults.collecting():
+                value = read_value(named.node, ANY, self.own.context(scope))
+                found.append((named.name.text, value))
+        return found
+
+    def triggers(self, state: StateDraft, spec: StateSpec, scope: Scope) -> None:
+        """The transitions of a state, by what they wait for."""
+        on, whens, afters, always = [], [], [], []
+        for trigger in spec.triggers:
+            key = trigger.key
+            with self.faults.collecting():
+                match trigger.kind:
+                    case "on":
+                        event = self.event_scope(state, trigger, scope)
+                        on.append((key.text, self.alternatives(state, trigger, event)))
+                    case "when":
+                        condition = expression(key, scope, BOOL)
+                        whens.append((condition, self.alternatives(state, trigger, scope)))
+                    case "after":
+                        duration = expression(key, scope, Number(TIME))
+                        afters.append((duration, self.alternatives(state, trigger, scope)))
+                    case "always":
+                        always.extend(self.alternatives(state, trigger, scope))
+        state.on, state.whens, state.afters, state.always = on, whens, afters, always
 
     def define(self, define: DefineSpec, scope: Scope) -> None:
         """A define is compiled once by itself, so that one nobody uses is checked too."""
@@ -159,12 +167,15 @@ class _Compiler:
         arguments = dict.fromkeys(define.arguments, ANY)
         compile_expression(define.body.text, start(define.body), scope, arguments=arguments)
 
-    def event_scope(self, state: StateDraft, key: Scalar, scope: Scope) -> Scope:
-        """The scope of an ``on`` transition, with the fields that its ``event`` has.
+    def event_scope(self, state: StateDraft, trigger: TriggerSpec, scope: Scope) -> Scope:
+        """The scope of an ``on`` transition, where ``event`` has the fields of what it listens to.
 
         Raises UserError for an event or outcome that nothing offers.
         """
-        return scope.with_event(MapOf(self.event_fields(state, key)))
+        fields = self.event_fields(state, trigger.key)
+        if any(each.guard or each.actions for each in trigger.alternatives):
+            return scope.with_event(MapOf(fields))
+        return scope  # Most transitions have no expression that could ask for it.
 
     def event_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
         """The fields of what a state listens to; None when they are not known."""

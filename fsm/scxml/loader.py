@@ -270,33 +270,37 @@ class _Loader:
         donedata = next(element.all("donedata"), None)
         if donedata is not None:
             with self.faults.collecting():
-                for name, function in content.fields(donedata).items():
-                    state.output[name] = Compiled(ANY, function, name, donedata.where)
+                state.output = [
+                    (name, Compiled(ANY, function, name, donedata.where))
+                    for name, function in content.fields(donedata).items()
+                ]
         if state.type == "history":
             holder = _transition_of(element)
         else:
             holder = _transition_of(next(element.all("initial"), None))
-            for transition in element.all("transition"):
-                with self.faults.collecting():
-                    self.transition(state, transition)
+            transitions = self.transitions(element)
+            state.on = [(draft.trigger, [draft]) for draft in transitions if draft.kind == "on"]
+            state.always = [draft for draft in transitions if draft.kind == "always"]
         state.default_actions = content.actions(holder.children) if holder else ()
 
-    def transition(self, state: StateDraft, element: Element) -> None:
-        """Add a transition to its state. Raises UserError."""
-        event = None if element.get("event") is None else needed(element, "event")
-        draft = TransitionDraft(
-            "always" if event is None else "on",
-            event or "always",
+    def transitions(self, element: Element) -> list[TransitionDraft]:
+        found = []
+        for transition in element.all("transition"):
+            with self.faults.collecting():
+                found.append(self.transition(transition))
+        return found
+
+    def transition(self, element: Element) -> TransitionDraft:
+        always = element.get("event") is None
+        return TransitionDraft(
+            "always" if always else "on",
+            "always" if always else needed(element, "event"),
             element.where,
             reenter=_kind(element, "external", "internal") == "external",
             guard=self.content.condition(element),
             actions=self.content.actions(element.children),
             targets=self.targets(element, "target"),
         )
-        if event is None:
-            state.always.append(draft)
-        else:
-            state.on.append((event, [draft]))
 
 
 def _type(element: Element) -> StateType:
