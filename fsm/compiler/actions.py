@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from fsm.chart.executable import Action
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, collecting, read_value
 from fsm.expressions.scope import Binding
-from fsm.host import Vocabulary
+from fsm.host import Function
 from fsm.language.keys import EVENT_NAME, SMALL_NAME
-from fsm.language.spec import ActionSpec
+from fsm.language.spec import ActionKind, ActionSpec
 from fsm.values.functions import as_text, bounded
 from fsm.values.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
 from vencejo.errors import Fault, UserError, Where, nearest
@@ -23,6 +24,7 @@ _SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
 _NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
+Run = Callable[[Any, dict[str, Any]], None]
 
 
 def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
@@ -38,33 +40,29 @@ def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
     return name.text, tuple(key.text for key, _ in body) if isinstance(body, MapNode) else ()
 
 
-def compile_action(
-    spec: ActionSpec, context: Context, events: Events, vocabulary: Vocabulary
-) -> Action:
+@dataclass(frozen=True, slots=True)
+class Environment:
+    """What the actions of a state can name."""
+
+    context: Context
+    """Its variables, and where values are read."""
+    events: Events
+    """Declared events with their fields."""
+    functions: Mapping[str, Function]
+    """What `call` may run."""
+
+
+def compile_action(spec: ActionSpec, environment: Environment) -> Action:
     """An action ready to run. Raises UserError."""
-    match spec.kind:
-        case "set":
-            return _set(spec, context)
-        case "append":
-            return _append(spec, context)
-        case "log":
-            return _log(spec, context)
-        case "raise":
-            return _raise(spec, context, events)
-        case "send":
-            return _send(spec, context, events)
-        case "cancel":
-            return _cancel(spec, context)
-        case "call":
-            return _call(spec, context, vocabulary)
+    return Action(spec.kind, spec.where, _COMPILERS[spec.kind](spec, environment), spec.node)
 
 
-def _log(spec: ActionSpec, context: Context) -> Action:
+def _log(spec: ActionSpec, environment: Environment) -> Run:
     node = spec.node
     # A value by itself is shown as it would be inside a text.
     alone = isinstance(node, Scalar) and "$" in node.text
-    text = read_value(node, ANY if alone else TEXT, context)
-    return Action("log", spec.where, lambda i, e: i.record("log", text=as_text(text(i.slots, e))))
+    text = read_value(node, ANY if alone else TEXT, environment.context)
+    return lambda i, e: i.record("log", text=as_text(text(i.slots, e)))
 
 
 def _map(node: YamlNode, what: str) -> MapNode:
@@ -119,10 +117,10 @@ def _mistyped(name: Scalar, message: str) -> NoReturn:
     raise UserError("wrong-type", message, name.where)
 
 
-def _set(spec: ActionSpec, context: Context) -> Action:
-    assignments = _assignments(spec, context)
+def _set(spec: ActionSpec, environment: Environment) -> Run:
+    assignments = _assignments(spec, environment.context)
     if len(assignments) == 1:
-        return Action("set", spec.where, _set_one(*assignments[0]))
+        return _set_one(*assignments[0])
 
     def run(instance: Any, event: dict[str, Any]) -> None:
         slots = instance.slots
@@ -132,10 +130,10 @@ def _set(spec: ActionSpec, context: Context) -> Action:
             slots[variable.slot] = value
             instance.records.append(("set", {"name": variable.name, "value": value}))
 
-    return Action("set", spec.where, run)
+    return run
 
 
-def _set_one(variable: Binding, value: Compiled) -> Callable[[Any, dict[str, Any]], None]:
+def _set_one(variable: Binding, value: Compiled) -> Run:
     """What nearly every `set` does, in half the time."""
     name, slot, function = variable.name, variable.slot, value.function
 
@@ -147,8 +145,8 @@ def _set_one(variable: Binding, value: Compiled) -> Callable[[Any, dict[str, Any
     return run
 
 
-def _append(spec: ActionSpec, context: Context) -> Action:
-    assignments = _assignments(spec, context)
+def _append(spec: ActionSpec, environment: Environment) -> Run:
+    assignments = _assignments(spec, environment.context)
 
     def run(instance: Any, event: dict[str, Any]) -> None:
         slots = instance.slots
@@ -158,7 +156,7 @@ def _append(spec: ActionSpec, context: Context) -> Action:
             slots[variable.slot] = bounded([*(slots[variable.slot] or ()), value])
             instance.record("append", name=variable.name, value=value)
 
-    return Action("append", spec.where, run)
+    return run
 
 
 def _fields(
@@ -178,7 +176,7 @@ def _event_name(node: YamlNode | None, where: Where) -> str:
     return name
 
 
-def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
+def _raise(spec: ActionSpec, environment: Environment) -> Run:
     node = spec.node
     body: YamlNode | None = None
     if isinstance(node, MapNode):
@@ -188,11 +186,12 @@ def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
         name = _event_name(key, key.where)
     else:
         name = _event_name(node, node.where)
-    fields = _fields(body, events.get(name, {}), context, node.where)
-    return Action("raise", spec.where, lambda i, e: i.raise_event(name, fields(i.slots, e)))
+    fields = _fields(body, environment.events.get(name, {}), environment.context, node.where)
+    return lambda i, e: i.raise_event(name, fields(i.slots, e))
 
 
-def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
+def _send(spec: ActionSpec, environment: Environment) -> Run:
+    context = environment.context
     node = _map(spec.node, "send")
     for key, _ in node:
         if key.text not in _SEND_KEYS:
@@ -201,7 +200,8 @@ def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
     name = _event_name(node.get("event"), node.where)
     to = _receiver(node.get("to"), context)
     # Which fields an event has is the receiver's to say.
-    fields = _fields(node.get("with"), {} if to else events.get(name, {}), context, node.where)
+    shape = {} if to else environment.events.get(name, {})
+    fields = _fields(node.get("with"), shape, context, node.where)
     delay_node, id_node = node.get("delay"), node.get("id")
     delay = read_value(delay_node, Number(TIME, 0.0), context) if delay_node else None
     id_ = read_value(id_node, TEXT, context) if id_node else None
@@ -216,7 +216,7 @@ def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
             to,
         )
 
-    return Action("send", spec.where, run)
+    return run
 
 
 def _receiver(node: YamlNode | None, context: Context) -> str:
@@ -235,7 +235,7 @@ def _receiver(node: YamlNode | None, context: Context) -> str:
     return node.text
 
 
-def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
+def _call(spec: ActionSpec, environment: Environment) -> Run:
     name, body = spec.node, None
     if isinstance(name, MapNode):
         if len(name.entries) != 1:
@@ -243,9 +243,9 @@ def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
         name, body = name.entries[0]
     if not isinstance(name, Scalar):
         raise UserError("wrong-type", f"`call` names a function, not {kind(name)}", name.where)
-    function = vocabulary.functions.get(name.text)
+    function = environment.functions.get(name.text)
     if function is None:
-        hint = nearest(name.text, vocabulary.functions) or _NO_FUNCTIONS
+        hint = nearest(name.text, environment.functions) or _NO_FUNCTIONS
         message = f"there is no function '{name.text}' to call"
         raise UserError("unknown-function", message, name.where, hint)
     parameters = function.parameters
@@ -254,16 +254,27 @@ def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
     if function.on_trust:
         shape = MapOf()
     given = MapNode([], name.where) if body is None else _map(body, name.text)
-    arguments = read_value(given, shape, context)
+    arguments = read_value(given, shape, environment.context)
 
     def run(instance: Any, event: dict[str, Any]) -> None:
         values = arguments(instance.slots, event)
         instance.record("call", name=function.name, **{"with": values})
         instance.host.call(function.name, values)
 
-    return Action("call", spec.where, run)
+    return run
 
 
-def _cancel(spec: ActionSpec, context: Context) -> Action:
-    id_ = read_value(spec.node, TEXT, context)
-    return Action("cancel", spec.where, lambda i, e: i.cancel(id_(i.slots, e)))
+def _cancel(spec: ActionSpec, environment: Environment) -> Run:
+    id_ = read_value(spec.node, TEXT, environment.context)
+    return lambda i, e: i.cancel(id_(i.slots, e))
+
+
+_COMPILERS: Mapping[ActionKind, Callable[[ActionSpec, Environment], Run]] = {
+    "set": _set,
+    "append": _append,
+    "raise": _raise,
+    "send": _send,
+    "cancel": _cancel,
+    "log": _log,
+    "call": _call,
+}

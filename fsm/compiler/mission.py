@@ -17,7 +17,7 @@ from fsm.chart.draft import StateDraft, TransitionDraft, compatible
 from fsm.chart.executable import Action, Given
 from fsm.chart.graph import Graph, build_nodes
 from fsm.checks.mission import check
-from fsm.compiler import actions
+from fsm.compiler.actions import Environment, compile_action
 from fsm.compiler.declarations import Declarations
 from fsm.compiler.namespace import FAILED_FIELDS, Fields
 from fsm.compiler.parameters import parse_parameters
@@ -350,11 +350,11 @@ class _Compiler:
         if not specs:
             return ()
         found: list[Action] = []
-        context, events = self.own.context(scope), self.own.events
+        context, functions = self.own.context(scope), self.vocabulary.functions
+        environment = Environment(context, self.own.events, functions)
         for spec in specs:
             with self.faults.collecting():
-                action = actions.compile_action(spec, context, events, self.vocabulary)
-                found.append(replace(action, node=spec.node))
+                found.append(compile_action(spec, environment))
         return tuple(found)
 
     def alternatives(

@@ -6,7 +6,7 @@ mission's own reader does the rest: all its rules and messages hold here too.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +19,9 @@ from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, read_text
 
 _STATES = ("state", "parallel", "final", "history")
 _BLOCKS = {"onentry": "entry", "onexit": "exit", "v:throughout": "throughout"}
+_NAMED = {"donedata": ("output", "param", "name"), "datamodel": ("data", "data", "id")}
+"""Elements that stand for a map: its key, the elements inside, and the attribute that names them.
+"""
 _TRIGGERS = {"event": "on", "v:when": "when", "v:after": "after"}
 _ATTRIBUTES = {
     "transition": {"event", "cond", "target", "type"},
@@ -64,35 +67,40 @@ class _Importer:
                 self.children[element.get("id") or ""] = names
 
     def state(self, element: Element, path: str) -> Mapping:
-        entries: list[Entry] = []
-        if element.get("v:type") is not None:
-            entries.append((_key("type", element), _attribute(element, "v:type")))
-        elif element.tag in ("parallel", "final", "history"):
-            entries.append((_key("type", element), Scalar(element.tag, element.where)))
-        if element.get("initial") is not None:
-            entries.append((_key("initial", element), self.within(element, "initial", path)))
+        entries = [*self.head(element, path)]
         for child in element.children:
-            if child.tag in _BLOCKS:
-                entries.append((_key(_BLOCKS[child.tag], child), self.actions(child.children)))
-            elif child.tag.startswith("v:"):
-                entries.append((_key(child.tag[2:], child), _content(child)))
-            elif child.tag == "donedata":
-                entries.append(_named("output", child, child.all("param"), "name"))
-            elif child.tag == "datamodel":
-                entries.append(_named("data", child, child.all("data"), "id"))
-            elif child.tag not in (*_STATES, "transition"):
-                message = f"<{child.tag}> is not part of a mission"
-                raise UserError("not-supported", message, child.where)
+            if child.tag not in (*_STATES, "transition"):
+                entries.append(self.part(child))
         entries += self.history(element, path) if element.tag == "history" else ()
         entries += self.triggers(element, path) if element.tag != "history" else ()
-        states = list(element.all(*_STATES))
-        if states:
-            inner: list[Entry] = []
-            for child in states:
-                name = Scalar(_name(child, element), child.place("id"))
-                inner.append((name, self.state(child, child.attributes["id"])))
+        inner: list[Entry] = []
+        for child in element.all(*_STATES):
+            name = Scalar(_name(child, element), child.place("id"))
+            inner.append((name, self.state(child, child.attributes["id"])))
+        if inner:
             entries.append((_key("states", element), Mapping(inner, element.where)))
         return Mapping(entries, element.where)
+
+    def head(self, element: Element, path: str) -> Iterator[Entry]:
+        """The `type` and `initial` of a state."""
+        if element.get("v:type") is not None:
+            yield _key("type", element), _attribute(element, "v:type")
+        elif element.tag in ("parallel", "final", "history"):
+            yield _key("type", element), Scalar(element.tag, element.where)
+        if element.get("initial") is not None:
+            yield _key("initial", element), self.within(element, "initial", path)
+
+    def part(self, child: Element) -> Entry:
+        """A key of a state from the element that stands for it. Raises UserError."""
+        if child.tag in _BLOCKS:
+            return _key(_BLOCKS[child.tag], child), self.actions(child.children)
+        if child.tag in _NAMED:
+            key, tag, name = _NAMED[child.tag]
+            return _named(key, child, child.all(tag), name)
+        if child.tag.startswith("v:"):
+            return _key(child.tag[2:], child), _content(child)
+        message = f"<{child.tag}> is not part of a mission"
+        raise UserError("not-supported", message, child.where)
 
     def history(self, element: Element, path: str) -> Iterator[Entry]:
         if element.get("type") == "deep":
@@ -186,29 +194,44 @@ class _Importer:
 
 def _action(element: Element) -> Entry:
     _refuse_foreign(element)
-    match element.tag:
-        case "assign":
-            return _named("set", element, [element], "location")
-        case "v:set" | "v:append":
-            return _named(element.tag[2:], element, element.all("assign"), "location")
-        case "raise":
-            event: YamlNode = _attribute(element, "event")
-            if element.get("v:with") is not None and isinstance(event, Scalar):
-                event = Mapping([(event, _value(element, "v:with"))], event.where)
-            return _key("raise", element), event
-        case "send":
-            entries: list[Entry] = [
-                (_key(_SEND.get(name, name.removeprefix("v:")), element), _value(element, name))
-                for name in element.attributes
-            ]
-            return _key("send", element), Mapping(entries, element.where)
-        case "cancel":
-            return _key("cancel", element), _value(element, "sendidexpr")
-        case "log":
-            return _key("log", element), _value(element, "expr")
+    read = _ACTIONS.get(element.tag)
+    if read is not None:
+        return read(element)
     if element.tag.startswith("v:"):
         return _key(element.tag[2:], element), _content(element)
     raise UserError("not-supported", f"<{element.tag}> is no action of a mission", element.where)
+
+
+def _raise(element: Element) -> Entry:
+    event = _attribute(element, "event")
+    if element.get("v:with") is None:
+        return _key("raise", element), event
+    return _key("raise", element), Mapping([(event, _value(element, "v:with"))], event.where)
+
+
+def _send(element: Element) -> Entry:
+    entries: list[Entry] = [
+        (_key(_SEND.get(name, name.removeprefix("v:")), element), _value(element, name))
+        for name in element.attributes
+    ]
+    return _key("send", element), Mapping(entries, element.where)
+
+
+def _several(element: Element) -> Entry:
+    """A `set` or `append` of several variables at once."""
+    return _named(element.tag[2:], element, element.all("assign"), "location")
+
+
+_ACTIONS: dict[str, Callable[[Element], Entry]] = {
+    "assign": lambda element: _named("set", element, [element], "location"),
+    "v:set": _several,
+    "v:append": _several,
+    "raise": _raise,
+    "send": _send,
+    "cancel": lambda element: (_key("cancel", element), _value(element, "sendidexpr")),
+    "log": lambda element: (_key("log", element), _value(element, "expr")),
+}
+"""SCXML's own actions; others of ours have the element of their key."""
 
 
 def _refuse_foreign(element: Element) -> None:

@@ -26,8 +26,7 @@ _ESCAPED = re.compile("[\x7f-\xa0\u2028\u2029\ufeff]")
 _BLOCKS = {"entry": "onentry", "exit": "onexit", "throughout": "v:throughout"}
 _TRIGGERS = ("on", "when", "after", "always")
 _STRUCTURE = frozenset({"states", "type", "initial", "data", *_BLOCKS, *_TRIGGERS})
-_FINAL = frozenset({"output"})
-_HISTORY = frozenset({"deep", "target"})
+_OF_TYPE = {"final": frozenset({"output"}), "history": frozenset({"deep", "target"})}
 
 
 def write_scxml(spec: MissionSpec) -> str:
@@ -72,22 +71,14 @@ class _Writer:
         self.states = {state.path: state for state in tree.states}
 
     def state(self, element: Xml.Element, node: Mapping, path: str, done: frozenset[str]) -> None:
+        """Write a state into its element; the keys in ``done`` stand there already."""
         type_ = _text(node.get("type"))
-        done |= _STRUCTURE
-        done |= {"final": _FINAL, "history": _HISTORY}.get(type_, frozenset())
-        initial = _text(node.get("initial"))
-        if initial:
-            element.set("initial", f"{path}.{initial}" if path else initial)
-        if not path and type_:
-            element.set("v:type", type_)
+        self.head(element, node, path, type_)
+        done |= _STRUCTURE | _OF_TYPE.get(type_, frozenset())
         for key, value in node:
             if key.text not in done:
                 Xml.SubElement(element, f"v:{key.text}").text = flow(value)
-        data = _entries(node.get("data"))
-        if data:
-            model = Xml.SubElement(element, "datamodel")
-            for variable, value in data:
-                Xml.SubElement(model, "data", {"id": variable.text, "expr": flow(value)})
+        self.data(element, node)
         for name, tag in _BLOCKS.items():
             block = node.get(name)
             if block is not None:
@@ -103,6 +94,20 @@ class _Writer:
             inner = f"{path}.{word.text}" if path else word.text
             tag = _text(body.get("type")) or "state"
             self.state(Xml.SubElement(element, tag, {"id": inner}), body, inner, frozenset())
+
+    def head(self, element: Xml.Element, node: Mapping, path: str, type_: str) -> None:
+        initial = _text(node.get("initial"))
+        if initial:
+            element.set("initial", f"{path}.{initial}" if path else initial)
+        if not path and type_:
+            element.set("v:type", type_)
+
+    def data(self, element: Xml.Element, node: Mapping) -> None:
+        data = _entries(node.get("data"))
+        if data:
+            model = Xml.SubElement(element, "datamodel")
+            for variable, value in data:
+                Xml.SubElement(model, "data", {"id": variable.text, "expr": flow(value)})
 
     def output(self, element: Xml.Element, node: Mapping) -> None:
         output = _entries(node.get("output"))
