@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 from transitions.core import Condition, EventData, State, Transition
 
-from fsm.chart.digest import digest_of
+from fsm.chart.digest import Element, digest_of
 from fsm.expressions.compiled import Compiled
 from fsm.host import Behavior, Parameter, Vocabulary, matches
 from fsm.language.spec import MissionSpec, StateType, TriggerKind
@@ -110,7 +109,7 @@ class Edge(Transition):
         self.hold: Compiled | None = None
         self.reenter = False
 
-    @cached_property
+    @property
     def taking(self) -> Record:
         """What is recorded when it is taken."""
         by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
@@ -177,7 +176,6 @@ class Node(State):
         self.entering: Record = ("enter", {"state": path})
         self.leaving: Record = ("exit", {"state": path})
         """What is recorded when it is entered and left."""
-        self._edges_of: dict[str, tuple[Edge, ...]] = {}
         self.fills = self.waits = False
         """Whether an entry gives values to anything, and whether it arms conditions or timers."""
 
@@ -208,23 +206,27 @@ class Node(State):
         yield from self.always
 
     def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
-        """The transitions this event or outcome may take here, in order."""
-        found = self._edges_of.get(event)
-        if found is None:
-            guarded = event.startswith("error.") or vocabulary.is_urgent(event)
-            found = tuple(
-                edge
-                for pattern, edges in self.on
-                if matches(pattern, event) or (pattern == "*" and not guarded)
-                for edge in edges
-            )
-            self._edges_of[event] = found
-        return found
+        """The transitions this event or outcome may take here, in order.
+
+        ``vocabulary`` says which events are urgent: ``*`` does not catch those, nor ``error.…``.
+        """
+        if not self.on:
+            return ()
+        guarded = event.startswith("error.") or vocabulary.is_urgent(event)
+        return tuple(
+            edge
+            for pattern, edges in self.on
+            if matches(pattern, event) or (pattern == "*" and not guarded)
+            for edge in edges
+        )
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Graph:
-    """A compiled mission. Also what `transitions` calls the machine of an event."""
+    """A compiled mission. Also what `transitions` calls the machine of an event.
+
+    Nothing here changes in flight: what instances work out of it is kept in :mod:`fsm.engine`.
+    """
 
     name: str
     description: str
@@ -235,34 +237,29 @@ class Graph:
     parameter_slots: Mapping[str, int]
     vocabulary: Vocabulary
     slots: int
+    """The number of values that an instance has."""
     events: Mapping[str, Mapping[str, Type]]
     world: str | None
     outer_first: bool
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     by_path: Mapping[str, Node] = field(default_factory=dict)
-    visited: dict[int, Any] = field(default_factory=dict, repr=False)
-    """Configurations that instances have been in, by their masks."""
-    models: dict[type, type] = field(default_factory=dict, repr=False)
-    """Classes of its instances (see :mod:`fsm.chart.model`)."""
-
     source: MissionSpec | None = None
     """What it was compiled from."""
-    document: object = None
+    document: Element | None = None
     """What it was compiled from when that is no mission: the root of an SCXML document."""
+    event_slot: int = -1
+    """Where ``_event`` of an SCXML document stands; -1 in a mission."""
 
     def __post_init__(self) -> None:
         for node in self.nodes:
             node.fills = bool(node.given or node.data or node.invocation)
             node.waits = bool(node.whens or node.afters)
 
-    @cached_property
+    @property
     def digest(self) -> str:
-        """A hash of what the mission says; saved runs and records know it by this."""
-        return digest_of(self.document if self.source is None else self.source)
-
-    event_slot: int = -1
-    """Where ``_event`` of an SCXML document stands; -1 in a mission."""
+        """A hash of what the mission says, worked out at each call (see :mod:`.digest`)."""
+        return digest_of(self.source or self.document)
 
     @property
     def scxml(self) -> bool:

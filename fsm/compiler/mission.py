@@ -76,8 +76,7 @@ def compile_mission(
     ordered.sort(key=lambda fault: fault.severity)
     if ordered and ordered[0].severity == "error":
         raise UserError.of(ordered)
-    graph.warnings = (*ordered, *unused(spec))
-    return graph
+    return replace(graph, warnings=(*ordered, *unused(spec)))
 
 
 class _Compiler:

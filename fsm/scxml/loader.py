@@ -46,13 +46,8 @@ class ScxmlNode(Node):
 
     def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
         """The transitions this event may take here, in document order."""
-        found = self._edges_of.get(event)
-        if found is None:
-            found = tuple(
-                edge for pattern, edges in self.on if catches(pattern, event) for edge in edges
-            )
-            self._edges_of[event] = found
-        return found
+        found = (edges for pattern, edges in self.on if catches(pattern, event))
+        return tuple(edge for edges in found for edge in edges)
 
 
 def catches(descriptors: str, event: str) -> bool:
@@ -76,8 +71,7 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
     graph = _Loader(root, name, vocabulary, faults).graph()
     if faults:
         raise UserError.of(_in_order(faults))
-    graph.warnings = tuple(_in_order(_odd(graph)))
-    return graph
+    return replace(graph, warnings=tuple(_in_order(_odd(graph))))
 
 
 def _odd(graph: Graph) -> Iterator[Fault]:

@@ -438,7 +438,7 @@ states:
     run.instance.suspend()
     restored = restore(run.graph, run, save(run.instance))
     assert restored.suspended_at == run.instance.suspended_at is not None
-    assert [(sent.due, sent.to) for sent in restored._delayed] == [
-        (sent.due, sent.to) for sent in run.instance._delayed
+    assert [(sent.due, sent.to) for sent in restored.state.delayed] == [
+        (sent.due, sent.to) for sent in run.instance.state.delayed
     ]
-    assert restored._delayed[0].to == "cat"
+    assert restored.state.delayed[0].to == "cat"
