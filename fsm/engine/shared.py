@@ -44,12 +44,13 @@ class Shared:
         return found
 
 
-_shared: WeakValueDictionary[Graph, Shared] = WeakValueDictionary()
+_shared: WeakValueDictionary[int, Shared] = WeakValueDictionary()
+"""By the identity of the graph, which lives as long as this: a graph as key would live for ever."""
 
 
 def shared_by(graph: Graph) -> Shared:
     """What the instances of this graph share. It is gone when the last one that holds it is."""
-    found = _shared.get(graph)
+    found = _shared.get(id(graph))
     if found is None:
-        found = _shared[graph] = Shared(graph)
+        found = _shared[id(graph)] = Shared(graph)
     return found

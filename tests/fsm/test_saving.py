@@ -305,8 +305,22 @@ def test_another_mission_is_refused_by_name() -> None:
     assert error.args == ("'round' was saved, not this 'other'",)
 
 
-def test_another_form_is_refused() -> None:
-    assert refusal(ROUND, {**saved_round(), "version": 99}).code == "other-version"
+@pytest.mark.parametrize(
+    ("version", "by"),
+    [(1, "an earlier version"), (99, "another version"), (None, "another version")],
+)
+def test_another_form_is_refused(version: Any, by: str) -> None:
+    error = refusal(ROUND, {**saved_round(), "version": version})
+    assert error.code == "other-version"
+    assert error.args == (
+        f"the mission was saved by {by} of vencejo, in form {version}; this one reads form 2",
+    )
+    assert error.faults[0].hint == (
+        "go on with the version that saved it, or start the mission anew"
+    )
+
+
+def test_what_is_no_save_is_refused() -> None:
     assert refusal(ROUND, {"format": "x"}).code == "not-a-save"
 
 
