@@ -1,9 +1,9 @@
 """Configurations of a graph: its sets of active states, and what follows from one alone.
 
-A running graph visits few of its possible configurations, again and again. What can be told of
-one without looking at data (its leaves, which of its states wait for something, the transitions
-that an event may take, what taking some of them changes) is worked out when it is first needed
-and kept in a :class:`Configurations`, which all instances of the graph share.
+A running graph visits few of its possible configurations, again and again. Everything that does
+not depend on data (the leaves, the states with conditions or timers, the transitions that an event
+may take, the changes that taking some of them makes) is derived when it is first needed and kept
+in a :class:`Configurations`, which all instances of the graph share.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from fsm.chart.graph import Edge, Graph, Node, Record
 from fsm.chart.selection import chain
 
 MAX_CONFIGURATIONS = 10_000
-"""Configurations that are kept for a graph; beyond that all are forgotten and worked out anew."""
+"""Configurations kept for a graph; a full table is emptied and filled anew."""
 MAX_KEPT = 100
-"""Events, and likewise steps, that are kept for each configuration."""
+"""Events, and steps, kept for a configuration."""
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -41,7 +41,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What taking some transitions together changes, as far as the configuration tells."""
+    """The changes that taking some transitions together makes, where they do not depend on data."""
 
     taken: tuple[tuple[Edge, Record], ...]
     """The transitions with what is recorded of each."""
@@ -52,7 +52,7 @@ class Step:
     open: tuple[Edge, ...]
     """Transitions whose entered states depend on history, or have default actions to be run."""
     entry: Entry | None
-    """What is entered; None when some transitions are open."""
+    """The states entered; None when some transitions are open."""
 
 
 class Configuration:
@@ -111,7 +111,7 @@ class Configuration:
         return found
 
     def step(self, edges: tuple[Edge, ...]) -> Step:
-        """What taking these transitions together changes."""
+        """The changes that taking these transitions together makes."""
         return self._steps.get(edges) or _keep(self._steps, edges, self._new_step(edges))
 
     def _new_step(self, edges: tuple[Edge, ...]) -> Step:

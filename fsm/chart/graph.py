@@ -225,7 +225,7 @@ class Node(State):
 class Graph:
     """A compiled mission. Also what `transitions` calls the machine of an event.
 
-    Nothing here changes in flight: what instances work out of it is kept in :mod:`fsm.engine`.
+    It never changes: what instances derive from it is kept beside it (:mod:`fsm.engine.shared`).
     """
 
     name: str
@@ -239,17 +239,21 @@ class Graph:
     slots: int
     """The number of values that an instance has."""
     events: Mapping[str, Mapping[str, Type]]
+    """Declared events with the types of their fields."""
     world: str | None
+    """The world that the mission names."""
     outer_first: bool
+    """Whether outer states come before inner ones in selection."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
+    """`transitions`' word for callbacks that take the event's data as their only argument."""
     by_path: Mapping[str, Node] = field(default_factory=dict)
     source: MissionSpec | None = None
-    """What it was compiled from."""
+    """The mission it was compiled from."""
     document: Element | None = None
-    """What it was compiled from when that is no mission: the root of an SCXML document."""
+    """The root of the SCXML document it was compiled from, when that is no mission."""
     event_slot: int = -1
-    """Where ``_event`` of an SCXML document stands; -1 in a mission."""
+    """The slot of ``_event`` in an SCXML document; -1 in a mission."""
 
     def __post_init__(self) -> None:
         for node in self.nodes:
@@ -258,7 +262,7 @@ class Graph:
 
     @property
     def digest(self) -> str:
-        """A hash of what the mission says, worked out at each call (see :mod:`.digest`)."""
+        """A hash of the mission's words, computed at each call (see :mod:`fsm.chart.digest`)."""
         return digest_of(self.source or self.document)
 
     @property

@@ -1,4 +1,4 @@
-"""What `transitions` gives its models by name: ``is_<state>()``, where the name is unique.
+"""The methods ``is_<state>()`` that `transitions` gives its models, for states of unique name.
 
 These are methods of a class made for each graph. With a ``__getattr__`` that finds them, Python
 would look up every attribute of an instance in its slow way, a third of the time of an event.

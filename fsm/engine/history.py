@@ -1,4 +1,4 @@
-"""What a history state remembers: active states, their data, and their behaviours' progress."""
+"""History: active states that are remembered with their data and their behaviours' progress."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any
 from fsm.chart.graph import Node
 
 Progress = Mapping[str, Any]
-"""How far a behaviour came, as values that JSON can hold."""
+"""The progress of a behaviour, as values that JSON can hold."""
 
 
 @dataclass(slots=True)
 class Memory:
-    """What one history state remembers of the last time its parent was left."""
+    """The content of one history state, from the last time its parent was left."""
 
     states: tuple[Node, ...]
     """The states it stands for as a target."""

@@ -33,7 +33,7 @@ NO_LIVE: Mapping[str, Any] = {}
 
 
 class Instance(Interpreter):
-    """A graph at work."""
+    """A running graph."""
 
     def __init__(
         self, graph: Graph, host: Host, parameters: Mapping[str, Any] | None = None
@@ -47,11 +47,12 @@ class Instance(Interpreter):
         return self.state.suspended_at
 
     def is_controlled(self, resource: str) -> bool:
-        """Whether a behaviour that is at work controls ``motion`` (or another resource)."""
+        """Whether a running behaviour controls a resource, such as ``motion``."""
         for node in self.active:
             running = self.state.running.get(node.index)
-            at_work = running is not None and not running.ended and node.invocation is not None
-            if at_work and node.invocation and resource in node.invocation.behavior.controls:
+            if running is None or running.ended or node.invocation is None:
+                continue
+            if resource in node.invocation.behavior.controls:
                 return True
         return False
 
@@ -162,7 +163,10 @@ class Instance(Interpreter):
     # -- suspension -------------------------------------------------------------------------
 
     def suspend(self) -> None:
-        """Let nothing go on after this period, until :meth:`resume` or an event that wakes it."""
+        """Stand still from the end of this period until :meth:`resume`, or an event that wakes it.
+
+        Behaviours are stopped, and their progress is kept.
+        """
         state = self.state
         if state.suspended_at is None and state.outcome is None:
             state.suspended_at = self.now
@@ -178,12 +182,12 @@ class Instance(Interpreter):
             self.record("resume")
 
     def _is_woken(self) -> bool:
-        """Whether an event that waits ends the suspension."""
+        """Whether a queued urgent event ends the suspension."""
         reaction = self.graph.vocabulary.reaction
         return any(reaction(event.name) in WAKING for event in self.state.urgent)
 
     def _stop_behaviors(self) -> None:
-        """Stop the behaviours at work; each goes on from its progress when it is started again."""
+        """Stop the running behaviours; each goes on from its progress when it is started again."""
         state = self.state
         for node in reversed(self.active):
             running = state.running.get(node.index)
@@ -223,12 +227,15 @@ class Instance(Interpreter):
             self.stabilise()
 
     def _world_offer(self, node: Node) -> tuple[Edge, Armed | Timer] | None:
-        """The first due transition of a state; every condition is observed, for its edges."""
+        """The first due transition of a state, with its condition or timer; None when none is due.
+
+        Every condition is evaluated, to notice when it becomes true or false.
+        """
         offer: tuple[Edge, Armed | Timer] | None = None
         for condition in self.state.conditions.get(node.index, ()):
             true = self.evaluate(condition.when.condition, NOTHING.fields, False) is True
             if not true and condition.since is None and not condition.due:
-                continue  # as it has been: most conditions of most periods
+                continue  # Still false, as most conditions are in most periods.
             condition.observe(true, self.now, self._hold)
             for index in sorted(condition.due) if offer is None else ():
                 edge = condition.when.edges[index]
@@ -309,7 +316,7 @@ class Instance(Interpreter):
         return running
 
     def _end(self, node: Node, running: Running, outcome: Outcome) -> None:
-        """A behaviour ended: its state and those around it hear of it in the next period."""
+        """Note that a behaviour has ended, and queue its outcome for the next period."""
         running.ended = True
         external = self.state.external
         external.append(self.outcome_of(node, outcome.word, outcome.fields))

@@ -48,12 +48,12 @@ class Interpreter:
     def __init__(self, graph: Graph, parameters: Mapping[str, Any] | None = None) -> None:
         self.graph = graph
         self.records: list[Record] = []
-        """What happened since somebody last took the list away."""
+        """Everything that happened since the caller last replaced this list by an empty one."""
         self._shared: Shared
         self._configurations = self._shared.configurations
         self._has_history = self._shared.has_history
         self._callback_data: EventData | None = None
-        """What the entry and exit callbacks of the microstep at work are given."""
+        """The argument of the entry and exit callbacks of the present microstep."""
         values: list[Any] = [None] * graph.slots
         for name, slot in graph.parameter_slots.items():
             values[slot] = (parameters or {}).get(name, graph.parameters[name].default)
@@ -86,7 +86,7 @@ class Interpreter:
 
     @property
     def outcome(self) -> str | None:
-        """How the mission ended; None while it is at work."""
+        """The outcome of the mission; None while it has not ended."""
         return self.state.outcome
 
     @property
@@ -180,8 +180,8 @@ class Interpreter:
     def _offer(self, event: Event) -> bool:
         """Let an event take its transitions; whether there were any.
 
-        The outcome of a state that was left meanwhile is dropped. An event that nobody takes is
-        left to the host when that must react to it.
+        The outcome of a state that was left meanwhile is dropped. When no state takes an event
+        that must be handled, it is added to the reactions that the host owes.
         """
         owner = event.owner
         if owner is not None and not (
@@ -234,7 +234,7 @@ class Interpreter:
             self.state.internal.clear()
 
     def _becomes_stable(self) -> bool:
-        """Whether nothing moves any more, after at most MAX_MICROSTEPS; ``always`` goes first."""
+        """Take steps until the graph is stable; False when MAX_MICROSTEPS were not enough."""
         state = self.state
         for _ in range(MAX_MICROSTEPS):
             if state.outcome is not None:
@@ -310,7 +310,7 @@ class Interpreter:
         return len(edge.conditions) == (guard is not None) or self._others_pass(edge, event)
 
     def _others_pass(self, edge: Edge, event: Event) -> bool:
-        """Whether the conditions pass that somebody added to the edge."""
+        """Whether the conditions pass that were added to the compiled transition."""
         data = self._event_data(edge, event)
         return all(condition.check(data) for condition in edge.conditions)
 
@@ -344,7 +344,7 @@ class Interpreter:
                 self.graph.callbacks(edge.after, self._event_data(edge, event))
 
     def _open_entry(self, step: Step) -> Entry:
-        """What a step with open transitions enters, now that history is known."""
+        """The states that a step with open transitions enters, looked up in the present history."""
         states = set(step.entering)
         histories: list[Node] = []
         defaults: dict[int, list[Node]] = {}
@@ -380,7 +380,7 @@ class Interpreter:
             self._reach(node, event)
 
     def _fill(self, node: Node, event: Event, entry: Entry) -> None:
-        """Fill what an entry gives values to: parameters, data, what a behaviour publishes."""
+        """Give values to what begins anew with an entry: parameters, data, published values."""
         slots = self.slots
         memory = self._memory_of(node, entry) if entry.histories else None
         if node.given:
@@ -424,7 +424,7 @@ class Interpreter:
         return Timer(after, due)
 
     def _reach(self, final: Node, event: Event) -> None:
-        """A final state was entered: its parent has an outcome, or the mission ends."""
+        """Queue the outcome of an entered final state for its parent, or end the mission."""
         output = {
             name: self.evaluate(value, event.fields, None) for name, value in final.output.items()
         }
@@ -472,7 +472,7 @@ class Interpreter:
             self.finish_region(parallel.owner, queue)
 
     def _is_finished(self, node: Node) -> bool:
-        """Whether a region has finished: by a final child, or by a behaviour that is ``done``."""
+        """Whether a final child of a region is active, or its behaviour has ended in ``done``."""
         if node.type == "parallel":
             return all(self._is_finished(region) for region in default_entry(node))
         if node.children and node.children[0].border:
@@ -493,7 +493,7 @@ class Interpreter:
     def _progress(self, node: Node) -> Progress | None:
         running = self.state.running.get(node.index)
         if running is None:
-            # Not even started: what it was to go on from still holds.
+            # It has not been started yet: the progress it is to go on from still holds.
             return self.state.resumed.get(node.index)
         return running.activity.progress() if running.activity and not running.ended else None
 

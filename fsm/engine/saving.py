@@ -31,10 +31,10 @@ from vencejo.errors import UserError, Where
 
 FORMAT = "vencejo.saved"
 VERSION = 2
-"""Of the form of saved runs; one more whenever an older one cannot be read any more."""
+"""The version of the form of saved runs; it goes up when earlier saves cannot be read any more."""
 
 TORN = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
-"""What reading a save raises that is not as it was written."""
+"""The exceptions raised by reading a save that is damaged."""
 
 Saved = dict[str, Any]
 
@@ -87,7 +87,7 @@ def load(instance: Instance, saved: Mapping[str, Any]) -> None:
 
 
 def _activity(running: Running) -> Any:
-    """What the host resumes a behaviour from; None for one that has ended."""
+    """The values from which the host resumes a behaviour; None for one that has ended."""
     return pack(running.activity.saved()) if running.activity and not running.ended else None
 
 
@@ -120,7 +120,7 @@ def _refuse_other(graph: Graph, saved: Mapping[str, Any]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """How a field of the state is written for JSON, and read again from that."""
+    """The form of one field of the state in JSON: functions that write and read it."""
 
     write: Callable[[Graph, Any], Any]
     read: Callable[[Graph, Any], Any]
@@ -137,7 +137,7 @@ def _by_state(write: Callable[[Any], Any], read: Callable[[Node, Any], Any]) -> 
 
 
 def _first_own_slot(graph: Graph) -> int:
-    """Before it lie the time, the configuration and the host's values."""
+    """The first slot after the time, the configuration and the host's values."""
     return FIRST_HOST_SLOT + len(graph.vocabulary.names)
 
 
@@ -252,8 +252,8 @@ FORMS: Mapping[str, Form] = {
     "outcome": _PLAIN,
     "output": _PLAIN,
 }
-"""How each field of the state is saved; ``running`` aside, as the host resumes behaviours once all
-else is there."""
+"""The form of each field of the state. Only ``running`` is not among them: behaviours are the
+host's, which resumes them when all else is in place."""
 
 
 # -- files --------------------------------------------------------------------------------------
@@ -290,7 +290,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def read_saved(path: Path) -> Saved:
-    """What :func:`write_saved` wrote. Raises UserError when it is not there or not whole."""
+    """Read what :func:`write_saved` wrote. Raises UserError when it is not there or not whole."""
     place = Where(str(path))
     try:
         saved = json.loads(path.read_bytes())

@@ -1,7 +1,7 @@
-"""What all instances of one graph share: worked out once, kept as long as one of them lives.
+"""Results that all instances of one graph share: derived once, kept as long as one of them lives.
 
-A compiled graph stays as it is. What instances work out of it is kept here, beside it, so that a
-second instance, or a second visit, finds it ready.
+A compiled graph never changes, so nothing is cached on it. The tables here stand beside it: its
+configurations, the classes of its instances, and its digest.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MAX_MODELS = 20
 
 
 class Shared:
-    """Everything that is worked out of one graph."""
+    """The tables of one graph."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -29,13 +29,13 @@ class Shared:
 
     @property
     def digest(self) -> str:
-        """The graph's digest."""
+        """The graph's digest, computed at the first call."""
         if self._digest is None:
             self._digest = self.graph.digest
         return self._digest
 
     def model_of(self, base: type) -> Any:
-        """The class of this graph's instances that ``base`` is the class of."""
+        """The subclass of ``base`` for instances of this graph (see :mod:`fsm.chart.model`)."""
         found = self._models.get(base)
         if found is None:
             if len(self._models) >= MAX_MODELS:
@@ -45,11 +45,11 @@ class Shared:
 
 
 _shared: WeakValueDictionary[int, Shared] = WeakValueDictionary()
-"""By the identity of the graph, which lives as long as this: a graph as key would live for ever."""
+"""By the identity of the graph. As a key, the graph itself would be held for ever."""
 
 
 def shared_by(graph: Graph) -> Shared:
-    """What the instances of this graph share. It is gone when the last one that holds it is."""
+    """The tables of a graph. They are dropped with the last instance that holds them."""
     found = _shared.get(id(graph))
     if found is None:
         found = _shared[id(graph)] = Shared(graph)

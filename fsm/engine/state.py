@@ -53,13 +53,13 @@ class State:
     timers: dict[int, list[Timer]] = field(default_factory=dict)
     """The ``after`` durations of active states."""
     memories: dict[int, Memory] = field(default_factory=dict)
-    """What each history state remembers."""
+    """The content of each history state."""
     urgent: deque[Event] = field(default_factory=deque)
     """Urgent events for the next period."""
     external: deque[Event] = field(default_factory=deque)
     """Other events and outcomes for the next period."""
     internal: deque[Event] = field(default_factory=deque)
-    """Events and outcomes raised in the macrostep at work."""
+    """Events and outcomes raised in the present macrostep."""
     delayed: DelayedEvents = field(default_factory=DelayedEvents)
     """Sent events that are not due yet."""
     broken: set[tuple[Where, str]] = field(default_factory=set)
