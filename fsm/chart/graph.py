@@ -210,15 +210,15 @@ class Node(State):
 
         ``vocabulary`` says which events are urgent: ``*`` does not catch those, nor ``error.…``.
         """
-        if not self.on:
-            return ()
-        guarded = event.startswith("error.") or vocabulary.is_urgent(event)
-        return tuple(
-            edge
-            for pattern, edges in self.on
-            if matches(pattern, event) or (pattern == "*" and not guarded)
-            for edge in edges
-        )
+        found: list[Edge] = []
+        for pattern, edges in self.on:
+            if pattern == "*":
+                caught = not (event.startswith("error.") or vocabulary.is_urgent(event))
+            else:
+                caught = matches(pattern, event)
+            if caught:
+                found += edges
+        return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
