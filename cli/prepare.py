@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from behaviors import drone_vocabulary, load_all, trusted
@@ -53,7 +53,7 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
         faults.raise_any()
     else:
         graph = compile_mission(spec, vocabulary, faults)
-        graph.warnings += tuple(prove(graph))
+        graph = replace(graph, warnings=(*graph.warnings, *prove(graph)))
     assert place is not None, "a world that is not there is a fault"
     files = (found.path, *_others(spec, found.path))
     return Prepared(found, spec, graph, place, word, files)

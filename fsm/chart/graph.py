@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
 from transitions.core import Condition, EventData, State, Transition
 
-from fsm.chart.digest import digest_of
+from fsm.chart.digest import Element, digest_of
 from fsm.chart.draft import Draft, StateDraft, TransitionDraft, domain_of
 from fsm.chart.executable import Action, Data, Given, Invocation
 from fsm.chart.nesting import Nested
@@ -105,7 +104,7 @@ class Edge(Unchanging, Transition):
             conditions=[] if draft.guard is None else [Guard(draft.guard)],
         )
 
-    @cached_property
+    @property
     def taking(self) -> Record:
         """What is recorded when it is taken."""
         by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
@@ -177,7 +176,6 @@ class Node(Unchanging, Nested, State):
     """Whether an entry gives values to anything."""
     waits: bool
     """Whether an entry arms conditions or timers."""
-    _edges_of: dict[str, tuple[Edge, ...]]
 
     def __init__(self) -> None:
         """An empty state: all must exist before they can refer to each other."""
@@ -225,7 +223,6 @@ class Node(Unchanging, Nested, State):
             leaving=("exit", {"state": path}),
             fills=bool(draft.given or draft.data or draft.invocation),
             waits=bool(draft.whens or draft.afters),
-            _edges_of={},
             # What `transitions` knows of it.
             _name=path,
             final=draft.type == "final",
@@ -245,17 +242,15 @@ class Node(Unchanging, Nested, State):
         yield from self.always
 
     def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
-        """The transitions this event or outcome may take here, in order."""
-        found = self._edges_of.get(event)
-        if found is None:
-            found = tuple(
-                edge
-                for pattern, edges in self.on
-                if self.catches(pattern, event, vocabulary)
-                for edge in edges
-            )
-            self._edges_of[event] = found
-        return found
+        """The transitions this event or outcome may take here, in order.
+
+        ``vocabulary`` says which events are urgent: ``*`` does not catch those in a mission.
+        """
+        found: list[Edge] = []
+        for pattern, edges in self.on:
+            if self.catches(pattern, event, vocabulary):
+                found += edges
+        return tuple(found)
 
 
 def build_nodes(draft: Draft, first_slot: int, catches: Catches) -> tuple[Node, ...]:
@@ -270,9 +265,12 @@ def build_nodes(draft: Draft, first_slot: int, catches: Catches) -> tuple[Node, 
     return nodes
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Graph:
-    """A compiled mission. Also what `transitions` calls the machine of an event."""
+    """A compiled mission. Also what `transitions` calls the machine of an event.
+
+    It never changes: what instances derive from it is kept beside it (:mod:`fsm.engine.shared`).
+    """
 
     name: str
     description: str
@@ -282,36 +280,36 @@ class Graph:
     parameter_slots: Mapping[str, int]
     vocabulary: Vocabulary
     slots: int
+    """The number of values that an instance has."""
     events: Mapping[str, Mapping[str, Type]]
+    """Declared events with the types of their fields."""
     world: str | None
+    """The world that the mission names."""
     outer_first: bool
+    """Whether outer states come before inner ones in selection."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
+    """`transitions`' word for callbacks that take the event's data as their only argument."""
     by_path: Mapping[str, Node] = field(init=False, repr=False)
-    visited: dict[int, Any] = field(default_factory=dict, repr=False)
-    """Configurations that instances have been in, by their masks."""
-    models: dict[type, type] = field(default_factory=dict, repr=False)
-    """Classes of its instances (see :mod:`fsm.chart.model`)."""
-
     source: MissionSpec | None = None
-    """What it was compiled from."""
-    document: object = None
-    """What it was compiled from when that is no mission: the root of an SCXML document."""
+    """The mission it was compiled from."""
+    document: Element | None = None
+    """The root of the SCXML document it was compiled from, when that is no mission."""
+    event_slot: int = -1
+    """The slot of ``_event`` in an SCXML document; -1 in a mission."""
 
     def __post_init__(self) -> None:
-        self.by_path = MappingProxyType({node.path: node for node in self.nodes})
+        by_path = MappingProxyType({node.path: node for node in self.nodes})
+        object.__setattr__(self, "by_path", by_path)
 
     @property
     def root(self) -> Node:
         return self.nodes[0]
 
-    @cached_property
+    @property
     def digest(self) -> str:
-        """A hash of what the mission says; saved runs and records know it by this."""
-        return digest_of(self.document if self.source is None else self.source)
-
-    event_slot: int = -1
-    """Where ``_event`` of an SCXML document stands; -1 in a mission."""
+        """A hash of the mission's words, computed at each call (see :mod:`fsm.chart.digest`)."""
+        return digest_of(self.source or self.document)
 
     @property
     def scxml(self) -> bool:

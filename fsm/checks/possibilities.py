@@ -163,15 +163,14 @@ class Possibilities:
             asked[history.index] = history
             return history.initial
 
-        entered = entry_set(domain, targets, first)
+        entered = entry_set(domain, targets, first).states
         if not asked:
             return [entered]
         found = []
         for picked in product(*(_remembered(history) for history in asked.values())):
             memory = dict(zip(asked, picked, strict=True))
-            found.append(
-                entry_set(domain, targets, lambda h, memory=memory: memory.get(h.index, h.initial))  # type: ignore[misc]
-            )
+            chosen = entry_set(domain, targets, lambda h, memory=memory: memory.get(h.index))  # type: ignore[misc]
+            found.append(chosen.states)
         return found
 
     def choices(self, nodes: Sequence[Node], word: str) -> list[Edge | None]:

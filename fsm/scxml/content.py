@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from fsm.chart.executable import Action
-from fsm.engine.events import Event
 from fsm.expressions.compiled import Compiled, Function
 from fsm.faults import Faults
 from fsm.scxml.document import Element
@@ -254,7 +253,7 @@ class Content:
 
 
 def _block(actions: tuple[Action, ...]) -> Run:
-    return lambda instance, event: instance._run(actions, Event("", event))
+    return lambda instance, event: instance.run_actions(actions, event)
 
 
 def needed(element: Element, attribute: str) -> str:

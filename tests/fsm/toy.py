@@ -24,6 +24,8 @@ from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME
 
 PERIOD = 0.025
 ORIGIN = Point(0.0, 0.0, 0.0)
+END = "  end: {type: final}\n"
+"""A state for the end of a mission that needs one."""
 
 
 @dataclass(frozen=True)
