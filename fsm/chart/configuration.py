@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from fsm.chart.entry_sets import fixed_entry_set
-from fsm.chart.graph import Edge, Graph, Node, Record
+from fsm.chart.executable import Record
+from fsm.chart.graph import Edge, Graph, Node
 from fsm.chart.selection import chain
 
 MAX_CONFIGURATIONS = 10_000

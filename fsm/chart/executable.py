@@ -6,15 +6,62 @@ action may use of that interpreter is the protocol :class:`Runtime`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from fsm.expressions.compiled import Compiled
-from fsm.host import BehaviorInfo
+from fsm.host import BehaviorInfo, Host
 from fsm.values.types import Type
 from vencejo.errors import Where
 from vencejo.nodes import YamlNode
+
+EventFields = dict[str, Any]
+"""The fields of the event at hand; there are none where no event is."""
+Record = tuple[str, dict[str, Any]]
+"""Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
+
+
+class Runtime(Protocol):
+    """What actions and guards may use of the instance that runs them."""
+
+    @property
+    def slots(self) -> list[Any]:
+        """The values of the instance, which compiled expressions read and assignments change."""
+
+    @property
+    def records(self) -> list[Record]:
+        """What happened since somebody last took the list away."""
+
+    @property
+    def host(self) -> Host:
+        """Whoever runs the instance, and its registered functions."""
+
+    def record(self, what: str, **fields: Any) -> None:
+        """Add to the records."""
+
+    def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
+        """Queue an event for this macrostep."""
+
+    def send(
+        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+    ) -> None:
+        """Queue an event for a later period, ``delay`` seconds from now, or for another vehicle."""
+
+    def cancel(self, id_: str) -> None:
+        """Take back what was sent with this id and is not due."""
+
+    def evaluate(self, compiled: Compiled, fields: EventFields, otherwise: Any) -> Any:
+        """The value of an expression. One that fails raises ``error.execution`` in the graph and
+        has the value ``otherwise``.
+        """
+
+    def run_actions(self, actions: Sequence[Action], fields: EventFields) -> None:
+        """Run a block of actions; when one fails, the rest of this block is skipped."""
+
+
+Run = Callable[[Runtime, EventFields], None]
+"""An action at work. Raises one of :data:`fsm.values.functions.FAILURES` when it fails."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +70,7 @@ class Action:
 
     kind: str
     where: Where
-    run: Callable[[Any, dict[str, Any]], None]
-    """Of the instance and the fields of the event."""
+    run: Run
     node: YamlNode | None = None
     """The value behind its word in the file, to show it."""
 

@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 from transitions.core import Condition, EventData, State, Transition
 
 from fsm.chart.digest import Element, digest_of
 from fsm.chart.draft import Draft, StateDraft, TransitionDraft, domain_of
-from fsm.chart.executable import Action, Data, Given, Invocation
+from fsm.chart.executable import Action, Data, Given, Invocation, Record, Runtime
 from fsm.chart.nesting import Nested
 from fsm.expressions.compiled import Compiled
 from fsm.host import Parameter, Vocabulary
@@ -27,8 +27,6 @@ from fsm.values.functions import FAILURES
 from fsm.values.types import Type
 from vencejo.errors import Fault, UserError, Where, nearest
 
-Record = tuple[str, dict[str, Any]]
-"""Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
 Catches = Callable[[str, str, Vocabulary], bool]
 """Whether a pattern under ``on`` names an event or outcome, given the words of the host."""
 
@@ -38,11 +36,12 @@ class Guard(Condition):
 
     def __init__(self, compiled: Compiled) -> None:
         super().__init__(compiled)
+        self.compiled = compiled
 
     def check(self, event_data: EventData) -> bool:
         """Whether the guard passes for this event; one that fails to evaluate does not."""
-        model: Any = event_data.model
-        return model.evaluate(self.func, event_data.kwargs, False) is True
+        running = cast(Runtime, event_data.model)
+        return running.evaluate(self.compiled, event_data.kwargs, False) is True
 
 
 class Unchanging:

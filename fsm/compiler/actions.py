@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import NoReturn
 
-from fsm.chart.executable import Action
+from fsm.chart.executable import Action, EventFields, Run, Runtime
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, collecting, read_value
 from fsm.expressions.scope import Binding
@@ -24,7 +24,6 @@ _SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
 _NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
-Run = Callable[[Any, dict[str, Any]], None]
 
 
 def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
@@ -122,7 +121,7 @@ def _set(spec: ActionSpec, environment: Environment) -> Run:
     if len(assignments) == 1:
         return _set_one(*assignments[0])
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         # All right sides first, so that {a: $b, b: $a} swaps.
         values = [bounded(value.function(slots, event)) for _, value in assignments]
@@ -137,7 +136,7 @@ def _set_one(variable: Binding, value: Compiled) -> Run:
     """What nearly every `set` does, in half the time."""
     name, slot, function = variable.name, variable.slot, value.function
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         new = slots[slot] = bounded(function(slots, event))
         instance.records.append(("set", {"name": name, "value": new}))
@@ -148,7 +147,7 @@ def _set_one(variable: Binding, value: Compiled) -> Run:
 def _append(spec: ActionSpec, environment: Environment) -> Run:
     assignments = _assignments(spec, environment.context)
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         values = [value(slots, event) for _, value in assignments]
         for (variable, _), value in zip(assignments, values, strict=True):
@@ -206,7 +205,7 @@ def _send(spec: ActionSpec, environment: Environment) -> Run:
     delay = read_value(delay_node, Number(TIME, 0.0), context) if delay_node else None
     id_ = read_value(id_node, TEXT, context) if id_node else None
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         instance.send(
             name,
@@ -256,7 +255,7 @@ def _call(spec: ActionSpec, environment: Environment) -> Run:
     given = MapNode([], name.where) if body is None else _map(body, name.text)
     arguments = read_value(given, shape, environment.context)
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         values = arguments(instance.slots, event)
         instance.record("call", name=function.name, **{"with": values})
         instance.host.call(function.name, values)

@@ -12,17 +12,17 @@ conditions and ``time_in_state`` stand still meanwhile.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fsm.chart.executable import Invocation
-from fsm.chart.graph import Edge, Graph, Node, Record
+from fsm.chart.executable import Invocation, Record
+from fsm.chart.graph import Edge, Node
 from fsm.chart.selection import select
-from fsm.engine.events import NOTHING, Delayed, Event
+from fsm.engine.events import NOTHING, Event
 from fsm.engine.interpreter import Interpreter
 from fsm.engine.state import Running
 from fsm.engine.waiting import Armed, Timer
 from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT
-from fsm.host import Host, Outcome, Reaction
+from fsm.host import Outcome, Reaction
 from fsm.values.functions import FAILURES, plain
 
 __all__ = ["FAILURES", "Event", "Instance", "Record"]
@@ -36,11 +36,10 @@ NO_LIVE: Mapping[str, Any] = {}
 class Instance(Interpreter):
     """A running graph."""
 
-    def __init__(
-        self, graph: Graph, host: Host, parameters: Mapping[str, Any] | None = None
-    ) -> None:
-        super().__init__(graph, parameters)
-        self.host = host
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The ``is_…`` methods that each graph's class has."""
 
     @property
     def suspended_at(self) -> float | None:
@@ -100,7 +99,7 @@ class Instance(Interpreter):
         """Queue what is due for this period, or give it to the host for another vehicle."""
         for sent in self.state.delayed.take_due(self.now):
             if sent.to:
-                self._deliver(sent.event.name, sent.event.fields, sent.to)
+                self.deliver(sent.event.name, sent.event.fields, sent.to)
             else:
                 self.post(sent.event.name, sent.event.fields)
 
@@ -129,27 +128,6 @@ class Instance(Interpreter):
         if state.urgent or state.external:
             return self.now
         return state.delayed[0].due if state.delayed else None
-
-    def send(
-        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
-    ) -> None:
-        """Queue an event for a later period, or give it to the host for another vehicle.
-
-        ``delay`` is in seconds; ``id_`` is what :meth:`cancel` knows it by.
-        """
-        if to and delay <= 0:
-            # At once: this may be the last thing that the mission does.
-            self._deliver(name, fields, to)
-            return
-        self.state.delayed.put(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
-
-    def _deliver(self, name: str, fields: Mapping[str, Any], to: str) -> None:
-        self.record("send", event=name, to=to, fields=dict(fields))
-        self.host.send(name, fields, to)
-
-    def cancel(self, id_: str) -> None:
-        """Take back what was sent with this id and is not due."""
-        self.state.delayed.cancel(id_)
 
     def _defer(self) -> None:
         """Queue for the next period what was raised outside a macrostep."""

@@ -15,22 +15,23 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from transitions.core import EventData
 
 from fsm.chart.configuration import Entry, Step
 from fsm.chart.entry_sets import default_entry, entry_set
-from fsm.chart.executable import Action
-from fsm.chart.graph import After, Edge, Graph, Node, Record
+from fsm.chart.executable import Action, Record
+from fsm.chart.graph import After, Edge, Graph, Node
 from fsm.chart.selection import chain, select
-from fsm.engine.events import NOTHING, Event
+from fsm.engine.events import NOTHING, Delayed, Event
 from fsm.engine.history import Memory, Progress, remember
 from fsm.engine.shared import Shared, shared_by
 from fsm.engine.state import State
 from fsm.engine.waiting import Armed, Timer
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.scope import CONFIGURATION_SLOT, TIME_SLOT
+from fsm.host import Host
 from fsm.values.functions import FAILURES, plain
 from vencejo.errors import Where
 
@@ -46,8 +47,11 @@ class Interpreter:
         instance._shared = shared
         return instance
 
-    def __init__(self, graph: Graph, parameters: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, graph: Graph, host: Host, parameters: Mapping[str, Any] | None = None
+    ) -> None:
         self.graph = graph
+        self.host = host
         self.records: list[Record] = []
         """Everything that happened since the caller last replaced this list by an empty one."""
         self._shared: Shared
@@ -115,11 +119,6 @@ class Interpreter:
     def _is_active(self, node: Node) -> bool:
         return bool(self.state.configuration.mask >> node.index & 1)
 
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """The ``is_…`` methods that each graph's class has."""
-
     # -- events -----------------------------------------------------------------------------
 
     def trigger(self, event: str, **fields: Any) -> bool:
@@ -140,6 +139,28 @@ class Interpreter:
     def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
         """Queue an event for this macrostep."""
         self.state.internal.append(Event(name, dict(fields)))
+
+    def send(
+        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+    ) -> None:
+        """Queue an event for a later period, or give it to the host for another vehicle.
+
+        ``delay`` is in seconds; ``id_`` is what :meth:`cancel` knows it by.
+        """
+        if to and delay <= 0:
+            # At once: this may be the last thing that the mission does.
+            self.deliver(name, fields, to)
+            return
+        self.state.delayed.put(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
+
+    def deliver(self, name: str, fields: Mapping[str, Any], to: str) -> None:
+        """Give an event to the host for another vehicle."""
+        self.record("send", event=name, to=to, fields=dict(fields))
+        self.host.send(name, fields, to)
+
+    def cancel(self, id_: str) -> None:
+        """Take back what was sent with this id and is not due."""
+        self.state.delayed.cancel(id_)
 
     def record(self, what: str, **fields: Any) -> None:
         """Add to the records."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from fsm.chart.executable import Action
+from fsm.chart.executable import Action, EventFields, Run, Runtime
 from fsm.expressions.compiled import Compiled, Function
 from fsm.faults import Faults
 from fsm.scxml.document import Element
@@ -26,8 +26,6 @@ _DELAY = re.compile(r"\s*(\d{1,12}(?:\.\d*)?|\.\d+)\s*(ms|s)\s*")
 """No more digits than time has use for: a long row of them is neither infinite nor slow to read."""
 _INTERNAL = "#_internal"
 _PROCESSORS = ("scxml", "http://www.w3.org/TR/scxml/#SCXMLEventProcessor")
-
-Run = Callable[[Any, dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
@@ -127,7 +125,7 @@ class Content:
         slot, name = self.slot(element, "location"), needed(element, "location")
         value = self.value(element, "expr")
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             instance.slots[slot] = found = value(instance.slots, event)
             instance.record("set", name=name, value=found)
 
@@ -142,7 +140,7 @@ class Content:
             for assignment in compile_script(element.text, where, self.names)
         ]
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             for slot, assignment in statements:
                 instance.slots[slot] = found = assignment.value(instance.slots, event)
                 instance.record("set", name=assignment.name, value=found)
@@ -153,7 +151,7 @@ class Content:
         value = self.value(element, "expr") if element.get("expr") is not None else None
         label = element.get("label")
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             parts = [label] if label else []
             parts += [text_of(value(instance.slots, event))] if value else []
             instance.record("log", text=": ".join(parts))
@@ -183,7 +181,7 @@ class Content:
         if element.get("idlocation") is not None:
             location = self.slot(element, "idlocation")
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             slots = instance.slots
             data = {key: value(slots, event) for key, value in fields.items()}
             if target == _INTERNAL:
@@ -220,7 +218,7 @@ class Content:
                 parts[-1][1].append(child)
         branches = [(self.condition(head), self.actions(inside)) for head, inside in parts]
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             for condition, actions in branches:
                 if condition is None or instance.evaluate(condition, event, False) is True:
                     for action in actions:
@@ -236,7 +234,7 @@ class Content:
         budget = self.budget or Budget()
         actions = replace(self, budget=budget).actions(element.children)
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             if self.budget is None:
                 budget.left = LOOP_BUDGET
             values = array(instance.slots, event)
