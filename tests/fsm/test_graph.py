@@ -83,6 +83,41 @@ def test_a_graph_is_frozen_and_gets_its_warnings_in_a_copy() -> None:
     assert graph.warnings == ()
 
 
+def compiled() -> list[Graph]:
+    return [graph_of(ROUND), load_document(parse_document(DOCUMENT, "d.scxml"), "d")]
+
+
+@pytest.mark.parametrize("graph", compiled(), ids=["mission", "document"])
+def test_states_and_transitions_refuse_changes(graph: Graph) -> None:
+    edges = [edge for node in graph.nodes for edge in node.edges()]
+    assert edges
+    for thing in (*graph.nodes, *edges):
+        before = dict(vars(thing))
+        assert set(type(thing).__annotations__) <= set(before), "an attribute was left out"
+        for name in (*before, "something_new"):
+            with pytest.raises(AttributeError, match="a compiled graph does not change"):
+                setattr(thing, name, None)
+            with pytest.raises(AttributeError, match="a compiled graph does not change"):
+                delattr(thing, name)
+        assert vars(thing) == before
+
+
+CALLBACKS = {"on_enter", "on_exit", "prepare", "before", "after", "conditions"}
+"""Lists that users of `transitions` add to."""
+
+
+@pytest.mark.parametrize("graph", compiled(), ids=["mission", "document"])
+def test_what_a_graph_holds_cannot_be_changed_either(graph: Graph) -> None:
+    edges = [edge for node in graph.nodes for edge in node.edges()]
+    invocations = [node.invocation for node in graph.nodes if node.invocation is not None]
+    held = [
+        value for thing in (graph, *graph.nodes, *edges) for name, value in vars(thing).items()
+        if name not in CALLBACKS
+    ]  # fmt: skip
+    held += [mapping for each in invocations for mapping in (each.with_, each.live)]
+    assert not [value for value in held if isinstance(value, (list, dict, set))]
+
+
 def test_whose_event_is_urgent_is_said_by_the_vocabulary_asked_with() -> None:
     graph = graph_of("states: {a: {on: {word.said: b, '*': b}}, b: {type: final}}")
     node = graph.by_path["a"]
