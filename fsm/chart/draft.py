@@ -1,8 +1,8 @@
-"""The draft of a graph: what the front ends for YAML and SCXML write, and graphs are built from.
+"""The draft of a graph: the intermediate form between a language and an immutable graph.
 
-A front end adds the states in document order, looks up what its targets mean, and fills in what
-stands in each state and transition. :func:`fsm.chart.graph.build_nodes` makes the states and
-transitions of an immutable graph from that. Rules that hold in both languages stand here.
+The front ends for YAML and SCXML add the states in document order, resolve targets, and compile the
+contents of states and transitions into their drafts. From these :func:`fsm.chart.graph.build_nodes`
+makes the states and transitions of a graph. Rules that hold in both languages stand here.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Alternatives = Sequence[TransitionDraft]
 
 @dataclass(slots=True, eq=False, repr=False)
 class StateDraft(Nested):
-    """One state; the attributes of :class:`fsm.chart.graph.Node` explain themselves there."""
+    """One state. Its fields are those of :class:`fsm.chart.graph.Node`, and explained there."""
 
     name: str
     path: str
@@ -66,7 +66,7 @@ class StateDraft(Nested):
     throughout: tuple[Action, ...] = ()
     invocation: Invocation | None = None
     on: Sequence[tuple[str, Alternatives]] = ()
-    """Transitions by the pattern of the events that they wait for."""
+    """Transitions by the pattern that their events match."""
     whens: Sequence[tuple[Compiled, Alternatives]] = ()
     afters: Sequence[tuple[Compiled, Alternatives]] = ()
     always: Alternatives = ()
@@ -94,7 +94,7 @@ class Draft(list[StateDraft]):
 
 
 def compatible(a: StateDraft, b: StateDraft) -> bool:
-    """Whether a transition may have both as targets: only in two regions of one parallel state."""
+    """Whether a transition may enter both: they lie in different regions of one parallel state."""
     common = a
     while not common.index <= b.index <= common.last:
         assert common.parent is not None, "the root is around every state"

@@ -1,7 +1,7 @@
-"""What stands in a state or a transition, ready to run: actions, data, behaviours, parameters.
+"""The compiled contents of states and transitions: actions, data, invocations and parameters.
 
-Both languages compile to these values; the interpreter in :mod:`fsm.engine` runs them. What an
-action may use of that interpreter is the protocol :class:`Runtime`.
+Both languages compile to these values, which the interpreter in :mod:`fsm.engine` runs. The
+protocol :class:`Runtime` is all that an action may use of the interpreter.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from vencejo.nodes import YamlNode
 EventFields = dict[str, Any]
 """The fields of the event at hand; there are none where no event is."""
 Record = tuple[str, dict[str, Any]]
-"""Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
+"""Something that happened: its kind and its fields. Instances share some, so none is changed."""
 
 
 class Runtime(Protocol):
-    """What actions and guards may use of the instance that runs them."""
+    """The part of a running instance that its actions and guards may use."""
 
     @property
     def slots(self) -> list[Any]:
@@ -31,11 +31,11 @@ class Runtime(Protocol):
 
     @property
     def records(self) -> list[Record]:
-        """What happened since somebody last took the list away."""
+        """Everything that happened since the caller last replaced this list."""
 
     @property
     def host(self) -> Host:
-        """Whoever runs the instance, and its registered functions."""
+        """The host, which runs registered functions."""
 
     def record(self, what: str, **fields: Any) -> None:
         """Add to the records."""
@@ -93,7 +93,7 @@ class Invocation:
     with_: Mapping[str, Compiled]
     live: Mapping[str, Compiled]
     slot: int
-    """Where its published values stand; -1 when it publishes nothing."""
+    """The slot of its published values; -1 when it publishes nothing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,8 +27,8 @@ from fsm.values.functions import FAILURES
 from fsm.values.types import Type
 from vencejo.errors import Fault, UserError, Where, nearest
 
-Catches = Callable[[str, str, Vocabulary], bool]
-"""Whether a pattern under ``on`` names an event or outcome, given the words of the host."""
+Matching = Callable[[str, str, Vocabulary], bool]
+"""Whether a pattern under ``on`` matches an event or outcome of a host with this vocabulary."""
 
 
 class Guard(Condition):
@@ -44,10 +44,10 @@ class Guard(Condition):
         return running.evaluate(self.compiled, event_data.kwargs, False) is True
 
 
-class Unchanging:
-    """What is shared by all instances of a graph, and so refuses to be changed.
+class Frozen:
+    """An object whose attributes cannot be set, since all instances of a graph share it.
 
-    Callbacks may still be added to the lists that `transitions` keeps them in.
+    Callbacks may still be added to the lists in which `transitions` keeps them.
     """
 
     __slots__ = ()
@@ -59,26 +59,26 @@ class Unchanging:
         raise AttributeError(f"a compiled graph does not change: '{name}' cannot be deleted")
 
 
-class Edge(Unchanging, Transition):
+class Edge(Frozen, Transition):
     """One alternative of a transition, in `transitions`' form."""
 
     node: Node
     """The state it stands in."""
     kind: TriggerKind
     trigger: str
-    """The event, condition or duration that it waits for, as written."""
+    """The event, condition or duration that triggers it, as written."""
     where: Where
     label: str
-    """The name it was given, or nothing."""
+    """Its name; empty when it has none."""
     targets: tuple[Node, ...]
     domain: Node | None
-    """The state whose inside is left; None when nothing is."""
+    """The state whose descendants are left; None for a transition without targets."""
     guard: Compiled | None
     hold: Compiled | None
-    """How long its condition must last."""
+    """How many seconds its condition must last."""
     actions: tuple[Action, ...]
     reenter: bool
-    """Whether its state is left even when all targets lie inside."""
+    """Whether its state is left even when all targets lie inside it."""
 
     def __init__(self, draft: TransitionDraft, source: StateDraft, nodes: Sequence[Node]) -> None:
         domain = domain_of(source, draft.targets, draft.reenter)
@@ -94,7 +94,7 @@ class Edge(Unchanging, Transition):
             hold=draft.hold,
             actions=draft.actions,
             reenter=draft.reenter,
-            # What `transitions` knows of it.
+            # The attributes that `transitions` itself gives it.
             source=source.path,
             dest=", ".join([target.path for target in draft.targets]),
             prepare=[],
@@ -105,7 +105,7 @@ class Edge(Unchanging, Transition):
 
     @property
     def taking(self) -> Record:
-        """What is recorded when it is taken."""
+        """The record of its being taken."""
         by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
         step = {"by": by, "from": self.node.path, "to": [target.path for target in self.targets]}
         return "transition", {**step, "name": self.label} if self.label else step
@@ -127,7 +127,7 @@ class After:
     edges: tuple[Edge, ...]
 
 
-class Node(Unchanging, Nested, State):
+class Node(Frozen, Nested, State):
     """One state, in `transitions`' form. Made by :func:`build_nodes`."""
 
     local_name: str
@@ -143,13 +143,13 @@ class Node(Unchanging, Nested, State):
     ancestors: tuple[Node, ...]
     """From the parent outwards to the root."""
     given: tuple[Given, ...]
-    """Parameters of the graph that begins here, when it is included."""
+    """Parameters of the included graph whose root this is."""
     initial: tuple[Node, ...]
-    """Where an entry of a compound state goes on to; where history goes the first time."""
+    """The targets of a default entry: of a compound state, or of a history without content."""
     deep: bool
     """Whether a history state remembers the leaves, and not only the children."""
     entered_slot: int
-    """Where the time of its entry stands."""
+    """The slot of its time of entry."""
     data: tuple[Data, ...]
     entry: tuple[Action, ...]
     default_actions: tuple[Action, ...]
@@ -159,8 +159,8 @@ class Node(Unchanging, Nested, State):
     throughout: tuple[Action, ...]
     invocation: Invocation | None
     on: tuple[tuple[str, tuple[Edge, ...]], ...]
-    """Transitions by the pattern of the events that they wait for."""
-    catches: Catches
+    """Transitions by the pattern that their events match."""
+    matches: Matching
     whens: tuple[When, ...]
     afters: tuple[After, ...]
     always: tuple[Edge, ...]
@@ -168,19 +168,19 @@ class Node(Unchanging, Nested, State):
     """The outcome that a final state gives."""
     output: Mapping[str, Compiled]
     entering: Record
-    """What is recorded when it is entered."""
+    """The record of its being entered."""
     leaving: Record
-    """What is recorded when it is left."""
+    """The record of its being left."""
     fills: bool
-    """Whether an entry gives values to anything."""
+    """Whether an entry sets parameters, data or published values."""
     waits: bool
-    """Whether an entry arms conditions or timers."""
+    """Whether an entry arms conditions or starts timers."""
 
     def __init__(self) -> None:
         """An empty state: all must exist before they can refer to each other."""
 
     def _fill(
-        self, draft: StateDraft, nodes: Sequence[Node], first_slot: int, catches: Catches
+        self, draft: StateDraft, nodes: Sequence[Node], first_slot: int, matches: Matching
     ) -> None:
         path, index = draft.path, draft.index
         parent = None if draft.parent is None else nodes[draft.parent.index]
@@ -212,7 +212,7 @@ class Node(Unchanging, Nested, State):
             throughout=draft.throughout,
             invocation=draft.invocation,
             on=tuple([(pattern, edges(drafts)) for pattern, drafts in draft.on]),
-            catches=catches,
+            matches=matches,
             whens=tuple([When(condition, edges(drafts)) for condition, drafts in draft.whens]),
             afters=tuple([After(duration, edges(drafts)) for duration, drafts in draft.afters]),
             always=edges(draft.always),
@@ -222,7 +222,7 @@ class Node(Unchanging, Nested, State):
             leaving=("exit", {"state": path}),
             fills=bool(draft.given or draft.data or draft.invocation),
             waits=bool(draft.whens or draft.afters),
-            # What `transitions` knows of it.
+            # The attributes that `transitions` itself gives it.
             _name=path,
             final=draft.type == "final",
             ignore_invalid_triggers=None,
@@ -247,20 +247,20 @@ class Node(Unchanging, Nested, State):
         """
         found: list[Edge] = []
         for pattern, edges in self.on:
-            if self.catches(pattern, event, vocabulary):
+            if self.matches(pattern, event, vocabulary):
                 found += edges
         return tuple(found)
 
 
-def build_nodes(draft: Draft, first_slot: int, catches: Catches) -> tuple[Node, ...]:
-    """The states of a graph in document order, with their transitions, as its draft says.
+def build_nodes(draft: Draft, first_slot: int, matches: Matching) -> tuple[Node, ...]:
+    """Make the states of a graph, in document order, with their transitions from its draft.
 
-    The time of each state's entry stands in a slot of its own, from ``first_slot`` on. ``catches``
-    is the rule by which the graph's language matches events.
+    Each state's time of entry has a slot of its own, from ``first_slot`` on; ``matches`` is the
+    rule of the graph's language for events.
     """
     nodes = tuple([Node() for _ in draft])
     for node, state in zip(nodes, draft, strict=True):
-        node._fill(state, nodes, first_slot, catches)
+        node._fill(state, nodes, first_slot, matches)
     return nodes
 
 

@@ -1,4 +1,4 @@
-"""How states lie inside each other: the rules that hold alike for drafts and compiled states."""
+"""The nesting of states: relations that drafts and compiled states have alike."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Self
 
 
 class Nested:
-    """A state among others. Document order numbers them, so that each subtree is a range."""
+    """A state in a tree. Document order numbers the states, so that each subtree is a range."""
 
     __slots__ = ()
 
@@ -22,11 +22,11 @@ class Nested:
 
     @property
     def owner(self) -> Self:
-        """Whose outcome it is when what is inside ends: of an included graph, its includer's."""
+        """The state that gets the outcomes of this one: itself, or its graph's includer."""
         return self.parent.owner if self.border and self.parent else self
 
     def outwards(self) -> Iterator[Self]:
-        """This state and those around it in the same graph."""
+        """This state and its ancestors in the same graph."""
         place: Self | None = self
         while place is not None:
             yield place

@@ -1,4 +1,4 @@
-"""What a state graph can do: assign, append, raise, send, cancel, log, and call functions."""
+"""Compiles actions: set, append, raise, send, cancel, log, and call."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
 
 @dataclass(frozen=True, slots=True)
 class Environment:
-    """What the actions of a state can name."""
+    """The names that the actions of a state can use."""
 
     context: Context
-    """Its variables, and where values are read."""
+    """Variables and places, for reading values."""
     events: Events
     """Declared events with their fields."""
     functions: Mapping[str, Function]
-    """What `call` may run."""
+    """Registered functions, for `call`."""
 
 
 def compile_action(spec: ActionSpec, environment: Environment) -> Action:
-    """An action ready to run. Raises UserError."""
+    """Compile an action. Raises UserError."""
     return Action(spec.kind, spec.where, _COMPILERS[spec.kind](spec, environment), spec.node)
 
 
@@ -133,7 +133,7 @@ def _set(spec: ActionSpec, environment: Environment) -> Run:
 
 
 def _set_one(variable: Binding, value: Compiled) -> Run:
-    """What nearly every `set` does, in half the time."""
+    """Assign one variable, as nearly every `set` does: half the time of the general case."""
     name, slot, function = variable.name, variable.slot, value.function
 
     def run(instance: Runtime, event: EventFields) -> None:
@@ -161,7 +161,7 @@ def _append(spec: ActionSpec, environment: Environment) -> Run:
 def _fields(
     node: YamlNode | None, shape: Mapping[str, Type], context: Context, where: Where
 ) -> Compiled:
-    """The fields of an event; those declared for it must be there."""
+    """Compile the fields of an event; all that are declared for it are required."""
     fields = MapOf(shape, frozenset(shape)) if shape else MapOf()
     return read_value(node if node is not None else MapNode([], where), fields, context)
 
@@ -219,7 +219,7 @@ def _send(spec: ActionSpec, environment: Environment) -> Run:
 
 
 def _receiver(node: YamlNode | None, context: Context) -> str:
-    """The vehicle an event is sent to; empty for one's own."""
+    """The name of the vehicle that an event is sent to; empty for its own. Raises UserError."""
     if node is None:
         return ""
     if not isinstance(node, Scalar) or not SMALL_NAME.fullmatch(node.text):

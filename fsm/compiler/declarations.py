@@ -1,6 +1,6 @@
-"""The names of a mission: what each state's expressions can see, and in which slot it lies.
+"""The names that a mission declares: their scopes, their types and their slots.
 
-What is declared wrongly stays known, as a name of unknown type: one mistake makes one fault.
+A name that is declared wrongly stays known, with an unknown type: one mistake makes one fault.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from vencejo.units import TIME
 
 
 class Declarations:
-    """Everything a mission declares, with the graphs it includes."""
+    """The declarations of a mission and of the graphs that it includes."""
 
     def __init__(self, vocabulary: Vocabulary, tree: Tree, faults: Faults) -> None:
         self.vocabulary = vocabulary
         self.tree = tree
         self.faults = faults
         self.first_slot = FIRST_HOST_SLOT + len(vocabulary.names)
-        """Where the times of entry begin, one for each state."""
+        """The first of the slots that hold the states' times of entry, in document order."""
         self.slots = self.first_slot + len(tree.states)
         self.scopes: list[Scope] = []
         """By the index of the state."""
         self.graphs: dict[int, Namespace] = {}
-        """The names of the graph that begins at a state."""
+        """The namespace of each graph, by the index of its root."""
         self._names: list[Namespace] = []
         """By the index of the state."""
         self._declare_graph(tree.root)
@@ -49,17 +49,18 @@ class Declarations:
             self._collect_raised(tree.states[index])
 
     def of(self, state: StateDraft) -> Namespace:
-        """The names of the graph that a state belongs to."""
+        """The namespace of the graph that a state belongs to."""
         return self._names[state.index]
 
     def slot(self) -> int:
+        """Reserve the next free slot."""
         self.slots += 1
         return self.slots - 1
 
     # -- names of a whole graph -------------------------------------------------------------
 
     def _declare_graph(self, root: StateDraft) -> None:
-        """Declare what all states of a graph see, whatever is around it, then what each sees."""
+        """Declare the names that all states of a graph see, then those of each state."""
         spec = self.tree.graphs[root.index]
         names = self.graphs[root.index] = Namespace(self.vocabulary)
         names.events.update({**OWN_EVENTS, **self.vocabulary.events})
@@ -71,7 +72,7 @@ class Declarations:
         self._declare(root, names, scope)
 
     def _states(self, root: StateDraft) -> dict[str, int]:
-        """The states of a graph, as ``active('…')`` names them there."""
+        """The states of a graph by the paths that ``active('…')`` uses in it."""
         around = root.owner.path + "." if root.owner.path else ""
         inside = self.tree.states[root.index + 1 : root.last + 1]
         return {state.path.removeprefix(around): state.index for state in inside}
@@ -122,7 +123,7 @@ class Declarations:
             names.events[name] = fields
 
     def _collect_raised(self, root: StateDraft) -> None:
-        """Events that behaviours or actions of a graph raise are known everywhere in it."""
+        """Make the events that behaviours and actions of a graph raise known in all of it."""
         names = self.graphs[root.index]
         for state in self.tree.states[root.index : root.last + 1]:
             if self.of(state) is not names:
@@ -141,7 +142,7 @@ class Declarations:
     # -- names of each state ----------------------------------------------------------------
 
     def _declare(self, state: StateDraft, names: Namespace, outer: Scope) -> None:
-        """Give a state its scope, then those inside it theirs."""
+        """Declare the names of a state, then those of the states inside it."""
         spec = self.tree.specs[state.index]
         scope = outer.inside(self.first_slot + state.index)
         self.scopes.append(scope)
@@ -174,7 +175,7 @@ class Declarations:
     def _first_value(
         self, named: Named, context: Context, nothing: Compiled
     ) -> tuple[Type, Compiled]:
-        """The type of a variable and what it begins as."""
+        """The type of a variable and its first value."""
         node = named.node
         if not isinstance(node, MapNode):
             initial = read_value(node, ANY, context)
@@ -194,7 +195,7 @@ class Declarations:
     def _declare_behavior(
         self, state: StateDraft, do: Scalar, as_: Scalar | None, scope: Scope
     ) -> None:
-        """Give a state its behaviour, and what that publishes a name."""
+        """Give a state its behaviour, and a name to the values that it publishes."""
         behavior = self.vocabulary.behaviors.get(do.text)
         name = as_ or do
         if behavior is None:

@@ -1,8 +1,9 @@
 """Compiles a mission's spec against its host's vocabulary into a :class:`fsm.chart.graph.Graph`.
 
-States come from :mod:`fsm.compiler.tree`, names from :mod:`fsm.compiler.declarations`; what
-stands in each state is compiled here. Every fault is collected, so that one check shows them all.
-What the finished structure must fulfil is tested in :mod:`fsm.checks.mission`.
+The states are drafted by :mod:`fsm.compiler.tree` and their names declared by
+:mod:`fsm.compiler.declarations`; their actions, transitions and values are compiled here. Every
+fault is collected, so that one check shows them all. The rules for the finished structure stand in
+:mod:`fsm.checks.mission`.
 """
 
 from __future__ import annotations
@@ -47,9 +48,9 @@ __all__ = ["compile_mission", "parse_parameters"]
 def compile_mission(
     spec: MissionSpec, vocabulary: Vocabulary, found: Iterable[Fault] = ()
 ) -> Graph:
-    """The graph of a mission. Raises UserError with every fault that would keep it from flying.
+    """Compile a mission. Raises UserError with every fault that would keep it from flying.
 
-    ``found`` are the faults found in it before; they are reported with the others.
+    ``found`` are faults that were found in it before; they are reported with the others.
     """
     faults = Faults(found)
     tree = Tree(spec, faults)
@@ -61,7 +62,7 @@ def compile_mission(
     graph = Graph(
         name=spec.name,
         description=spec.description,
-        nodes=build_nodes(tree.states, names.first_slot, catches),
+        nodes=build_nodes(tree.states, names.first_slot, pattern_matches),
         parameters=MappingProxyType(own.parameters),
         parameter_slots=MappingProxyType(own.parameter_slots),
         vocabulary=vocabulary,
@@ -80,15 +81,18 @@ def compile_mission(
     return replace(graph, warnings=(*ordered, *unused(spec)))
 
 
-def catches(pattern: str, event: str, vocabulary: Vocabulary) -> bool:
-    """Whether ``on: {pattern: …}`` hears an event or outcome: `*` leaves out what is urgent."""
+def pattern_matches(pattern: str, event: str, vocabulary: Vocabulary) -> bool:
+    """Whether a pattern under ``on`` matches an event or outcome.
+
+    ``*`` matches neither ``error.…`` nor the host's urgent events.
+    """
     if pattern == "*":
         return not event.startswith("error.") and not vocabulary.is_urgent(event)
     return matches(pattern, event)
 
 
 class _Compiler:
-    """Compiles what stands in each state."""
+    """Compiles the contents of each state into its draft."""
 
     def __init__(self, tree: Tree, names: Declarations, faults: Faults) -> None:
         self.tree = tree
@@ -96,15 +100,16 @@ class _Compiler:
         self.faults = faults
         self.vocabulary = names.vocabulary
         self.own = names.of(tree.root)
-        """The names of the graph whose states are being filled."""
+        """The namespace of the graph whose states are being filled."""
         self.events = self.own.known_events
         self.flawed: set[StateDraft] = set()
         """States with transitions or children that could not be compiled."""
         self.trusting = any(s.invocation and s.invocation.behavior.on_trust for s in tree.states)
 
-    # -- what stands in each state ----------------------------------------------------------
+    # -- the contents of each state ---------------------------------------------------------
 
     def fill(self, state: StateDraft) -> None:
+        """Compile everything that stands in a state into its draft."""
         spec, scope = self.tree.specs[state.index], self.names.scopes[state.index]
         if self.names.of(state) is not self.own:
             self.own = self.names.of(state)
@@ -135,7 +140,7 @@ class _Compiler:
         return found
 
     def triggers(self, state: StateDraft, spec: StateSpec, scope: Scope) -> None:
-        """The transitions of a state, by what they wait for."""
+        """Compile the transitions of a state, by kind of trigger."""
         on, whens, afters, always = [], [], [], []
         for trigger in spec.triggers:
             key = trigger.key
@@ -155,7 +160,7 @@ class _Compiler:
         state.on, state.whens, state.afters, state.always = on, whens, afters, always
 
     def define(self, define: DefineSpec, scope: Scope) -> None:
-        """A define is compiled once by itself, so that one nobody uses is checked too."""
+        """Compile a define by itself, so that an unused one is checked too. Raises UserError."""
         for argument in define.arguments:
             if scope.find(argument) is not None:
                 raise UserError(
@@ -168,9 +173,9 @@ class _Compiler:
         compile_expression(define.body.text, start(define.body), scope, arguments=arguments)
 
     def event_scope(self, state: StateDraft, trigger: TriggerSpec, scope: Scope) -> Scope:
-        """The scope of an ``on`` transition, where ``event`` has the fields of what it listens to.
+        """The scope of an ``on`` transition, in which ``event`` has the fields of the trigger.
 
-        Raises UserError for an event or outcome that nothing offers.
+        Raises UserError for an event or outcome that cannot occur here.
         """
         fields = self.event_fields(state, trigger.key)
         if any(each.guard or each.actions for each in trigger.alternatives):
@@ -178,7 +183,10 @@ class _Compiler:
         return scope  # Most transitions have no expression that could ask for it.
 
     def event_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
-        """The fields of what a state listens to; None when they are not known."""
+        """The fields of the event or outcome that a trigger names; None when they are not known.
+
+        Raises UserError for one that cannot occur here.
+        """
         name = key.text
         if name == "*":
             return None
@@ -193,7 +201,7 @@ class _Compiler:
         return self.events.get(name)
 
     def require_family(self, key: Scalar) -> None:
-        """Raise UserError unless there are events like ``battery.*``."""
+        """Raise UserError unless some event matches a pattern such as ``battery.*``."""
         family = key.text[:-1]
         if not self.trusting and not any(event.startswith(family) for event in self.own.events):
             families = {event.split(".")[0] + ".*" for event in self.events}
@@ -201,6 +209,7 @@ class _Compiler:
             raise UserError("unknown-event", message, key.where, nearest(key.text, families))
 
     def outcome_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
+        """The fields of an outcome, as :meth:`event_fields` gives them."""
         outcomes, name = self.outcomes(state), key.text
         if outcomes is None:
             return None
@@ -228,13 +237,16 @@ class _Compiler:
         return {word: _common(fields) for word, fields in found.items()}
 
     def in_doubt(self, state: StateDraft) -> bool:
-        """Whether nobody knows how a state's behaviour or included graph may end."""
+        """Whether the outcomes of a state's behaviour or included graph are unknown."""
         if state.invocation is not None:
             return state.invocation.behavior.on_trust
         return self.tree.specs[state.index].do is not None or self.tree.lacks(state)
 
     def offered(self, inner: StateDraft, state: StateDraft) -> Iterator[tuple[str, Fields | None]]:
-        """The outcomes that ``inner``, in ``state`` or the same, offers to it by itself."""
+        """The outcomes, with their fields, that ``inner`` offers to ``state``.
+
+        ``inner`` is ``state`` itself or lies inside it.
+        """
         spec = self.tree.specs[inner.index]
         same = self.names.of(inner) is self.own
         if inner.invocation:
@@ -252,10 +264,10 @@ class _Compiler:
                 yield inner.outcome, {named.name.text: ANY for named in spec.output}
 
     def invocation(self, state: StateDraft, spec: StateSpec, do: Scalar, scope: Scope) -> None:
-        """The parameters of a behaviour, from the state that it runs in."""
+        """Compile the parameters that a state gives to its behaviour."""
         invocation = state.invocation
         if invocation is None:
-            # Unknown, and that is told; what it is given may be wrong too.
+            # An unknown behaviour is reported already; its parameters are still compiled.
             self.given(do.text, {}, spec, do, scope, trusted=True)
             return
         behavior = invocation.behavior
@@ -273,9 +285,9 @@ class _Compiler:
         state.invocation = replace(invocation, with_=with_, live=live)
 
     def include(self, state: StateDraft, spec: StateSpec, word: Scalar, scope: Scope) -> None:
-        """The parameters of an included graph, from the state that includes it."""
+        """Compile the parameters that a state gives to the graph that it includes."""
         if not state.children:
-            # It was not found, and that is told; what it is given may be wrong too.
+            # A missing graph is reported already; its parameters are still compiled.
             self.given(word.text, {}, spec, word, scope, trusted=True)
             return
         (root,) = state.children
@@ -311,7 +323,11 @@ class _Compiler:
         scope: Scope,
         trusted: bool = False,
     ) -> dict[str, dict[str, Compiled]]:
-        """The parameters that stand under ``with`` and ``live``; required ones must be there."""
+        """Compile the parameters under ``with`` and ``live``, and report required ones that lack.
+
+        ``name`` is that of the behaviour or graph, ``place`` where it is named; one that is
+        ``trusted`` may be given any parameter.
+        """
         context = self.own.context(scope)
         values: dict[str, dict[str, Compiled]] = {"with": {}, "live": {}}
         for key, entries in (("with", spec.with_), ("live", spec.live)):
@@ -397,12 +413,12 @@ class _Compiler:
 
 
 def expression(scalar: Scalar, scope: Scope, wanted: Type) -> Compiled:
-    """The expression of a bare text. Raises UserError."""
+    """Compile an expression that is written without ``$``. Raises UserError."""
     return compile_expression(scalar.text, start(scalar), scope, wanted)
 
 
 def _common(known: list[Fields | None]) -> Fields | None:
-    """The fields that an outcome has whoever ends with it."""
+    """The fields that an outcome has whichever state ends with it; None when some are unknown."""
     fields = [entry for entry in known if entry is not None]
     if len(fields) < len(known):
         return None

@@ -64,9 +64,9 @@ def _given(text: str, type_: Type, place: Where) -> Any:
 
 
 def read_parameter(named: Named, context: Context, faults: Faults) -> Parameter:
-    """A declared parameter; what is wrong with one of its keys goes to ``faults``.
+    """Read a declared parameter; faults of single keys are added to ``faults``.
 
-    Raises UserError when nothing can be told of it.
+    Raises UserError when its default cannot be read.
     """
     node, name = named.node, named.name.text
     if not isinstance(node, MapNode):
@@ -133,7 +133,7 @@ def _bounded(node: MapNode, type_: Type, context: Context, faults: Faults) -> Ty
 
 
 def constant_value(node: YamlNode, type_: Type, context: Context) -> Compiled:
-    """A plain value, known before anything runs. Raises UserError."""
+    """Compile a value that does not change while the mission runs. Raises UserError."""
     compiled = read_value(node, type_, Context(Scope(), context.places, context.world_places))
     if not compiled.constant:
         raise UserError("not-constant", "only a plain value may stand here", node.where)
@@ -141,7 +141,7 @@ def constant_value(node: YamlNode, type_: Type, context: Context) -> Compiled:
 
 
 def named_type(node: YamlNode, faults: Faults) -> Type | None:
-    """The type that stands after ``type:``."""
+    """The type that a ``type:`` names; None, with a fault, when there is none of that name."""
     if isinstance(node, Scalar) and node.text in NAMED:
         return NAMED[node.text]
     text = f"'{node.text}'" if isinstance(node, Scalar) else "this"

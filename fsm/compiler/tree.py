@@ -1,4 +1,4 @@
-"""The states of a mission with all it includes, and how its targets find their way among them."""
+"""Drafts the states of a mission with all that it includes, and resolves its targets."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Tree:
         self.specs: list[StateSpec] = []
         """By the index of the state."""
         self.named: list[dict[str, StateDraft]] = []
-        """By the index of a state its children by name, included graphs apart."""
+        """The children of each state by name, without the roots of included graphs."""
         self.graphs: dict[int, MissionSpec] = {}
-        """The graph that begins at a state."""
+        """The spec of each graph, by the index of its root."""
         self.root = self.begin(mission, None, "", "")
         self.link()
 
@@ -63,15 +63,15 @@ class Tree:
             raise UserError("too-deep", message, word.where)
         included = mission.included.get(word.text)
         if included is not None:
-            # A name that no target can say: the border is not crossed by accident.
+            # No target can be written with a colon: none crosses the border by accident.
             self.begin(included, state, f":{included.name}", state.path)
 
     def lacks(self, state: StateDraft) -> bool:
-        """Whether a state includes a graph that was not found: anything might be in there."""
+        """Whether a state includes a graph that was not found, so that its contents are unknown."""
         return self.specs[state.index].include is not None and not state.children
 
     def link(self) -> None:
-        """Find the initial states, and where history goes the first time."""
+        """Resolve the initial states and the default targets of history states."""
         for state, spec in zip(self.states, self.specs, strict=True):
             if state.type == "compound" and not self.lacks(state):
                 state.initial = self.initial(state, spec)
@@ -86,7 +86,7 @@ class Tree:
                     state.initial = (self.default_target(state, spec),)
 
     def initial(self, state: StateDraft, spec: StateSpec) -> tuple[StateDraft, ...]:
-        """The state that an entry of a compound state goes on to; none where there is none."""
+        """The state that a default entry of a compound state enters; none when it has none."""
         first = next((child for child in state.children if child.type != "history"), None)
         if first is None:
             self.faults.fail("no-states", "only history states are in here", state.where)
@@ -108,7 +108,7 @@ class Tree:
         return (found,)
 
     def default_target(self, history: StateDraft, spec: StateSpec) -> StateDraft:
-        """The state that a history state stands for the first time. Raises UserError."""
+        """The state that a history state stands for while it has no content. Raises UserError."""
         parent = history.parent
         assert parent is not None
         if spec.target is None:
@@ -135,9 +135,10 @@ class Tree:
         return found
 
     def target(self, source: StateDraft, scalar: Scalar) -> StateDraft:
-        """The state of a name: among the children, then the siblings, then outwards.
+        """Resolve a target: its first name among the children, then the siblings, then outwards.
 
-        Raises UserError when there is none; warns when a state further out has the same name.
+        Raises UserError when there is no such state. When a state further out has the same name
+        that is a warning.
         """
         first, _, rest = scalar.text.partition(".")
         found: StateDraft | None = None

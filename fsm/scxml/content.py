@@ -1,4 +1,4 @@
-"""Executable content of SCXML documents: what stands in `onentry`, `onexit` and transitions."""
+"""Compiles the executable content of SCXML: what `onentry`, `onexit` and transitions hold."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ from fsm.values.types import ANY
 from vencejo.errors import UserError, Where, nearest
 
 _DELAY = re.compile(r"\s*(\d{1,12}(?:\.\d*)?|\.\d+)\s*(ms|s)\s*")
-"""No more digits than time has use for: a long row of them is neither infinite nor slow to read."""
+"""At most 12 digits before the point: a longer number could be slow to read, or infinite."""
 _INTERNAL = "#_internal"
 _PROCESSORS = ("scxml", "http://www.w3.org/TR/scxml/#SCXMLEventProcessor")
 
 
 @dataclass(frozen=True)
 class Content:
-    """Compiles executable content; what is wrong goes to ``faults``."""
+    """Compiles executable content; mistakes are added to ``faults``."""
 
     names: Names
     faults: Faults
     counter: int
     """Slot of the number of events sent without an id."""
     budget: Budget | None = None
-    """What the outermost of the loops around may still do, with those inside it."""
+    """The steps left to the outermost `foreach` around, shared by all loops inside it."""
 
     def blocks(self, handlers: Iterable[Element]) -> tuple[Action, ...]:
-        """Several handlers in a row: one that fails does not keep the next from running."""
+        """Compile handlers into one block each: when one fails, the next still runs."""
         blocks = [(handler, self.actions(handler.children)) for handler in handlers]
         if len(blocks) == 1:
             return blocks[0][1]
@@ -83,7 +83,7 @@ class Content:
         return compile_value(needed(element, attribute), element.place(attribute), self.names)
 
     def optional(self, element: Element, literal: str, expression: str) -> Function | None:
-        """A value given as a text, or by an expression in another attribute."""
+        """A value from a text in one attribute or an expression in another; None without both."""
         text = element.get(literal)
         if text is not None:
             return lambda s, e: text
@@ -106,7 +106,7 @@ class Content:
         return self.names.variables[name]
 
     def fields(self, element: Element) -> dict[str, Function]:
-        """What `namelist` and `param` give to an event."""
+        """Compile the fields that `namelist` and `param` give to an event."""
         found: dict[str, Function] = {}
         for name in (element.get("namelist") or "").split():
             self.variable(name, element.place("namelist"))

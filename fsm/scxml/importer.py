@@ -1,7 +1,7 @@
-"""Missions that went out as SCXML, read again: the way back of :mod:`fsm.scxml.writer`.
+"""Imports missions that :mod:`fsm.scxml.writer` exported as SCXML.
 
-The document becomes the nodes of the YAML it came from, in the places of the document, and the
-mission's own reader does the rest: all its rules and messages hold here too.
+The document is turned into YAML nodes with the places of the document, which the reader of missions
+then reads: all its rules and messages hold here too.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, read_text
 _STATES = ("state", "parallel", "final", "history")
 _BLOCKS = {"onentry": "entry", "onexit": "exit", "v:throughout": "throughout"}
 _NAMED = {"donedata": ("output", "param", "name"), "datamodel": ("data", "data", "id")}
-"""Elements that stand for a map: its key, the elements inside, and the attribute that names them.
-"""
+"""Elements that stand for a map: its key, the elements inside, their attribute with the name."""
 _TRIGGERS = {"event": "on", "v:when": "when", "v:after": "after"}
 _ATTRIBUTES = {
     "transition": {"event", "cond", "target", "type"},
@@ -37,14 +36,14 @@ Entry = tuple[Scalar, YamlNode]
 
 
 def is_mission(root: Element) -> bool:
-    """Whether a document is one of ours."""
+    """Whether a document is an exported mission, by its data model."""
     return root.get("datamodel") == DATAMODEL
 
 
 def import_mission(root: Element, file: str, folder: Path | None = None) -> MissionSpec:
-    """The mission of a document that :func:`fsm.scxml.writer.write_scxml` wrote, or like it.
+    """The mission of a document of the form that :func:`fsm.scxml.writer.write_scxml` writes.
 
-    What it includes lies in ``folder``. Raises UserError with all mistakes of form.
+    The files that it includes lie in ``folder``. Raises UserError with all mistakes of form.
     """
     if root.tag != "scxml":
         raise UserError("not-scxml", f"<{root.tag}> is no SCXML document", root.where)
@@ -57,7 +56,7 @@ def import_mission(root: Element, file: str, folder: Path | None = None) -> Miss
 
 
 class _Importer:
-    """Turns elements into nodes; knows all states, to name targets as YAML does."""
+    """Turns elements into YAML nodes, and ids of targets into names that YAML looks up."""
 
     def __init__(self, root: Element) -> None:
         self.children: dict[str, set[str]] = {}
@@ -91,7 +90,7 @@ class _Importer:
             yield _key("initial", element), self.within(element, "initial", path)
 
     def part(self, child: Element) -> Entry:
-        """A key of a state from the element that stands for it. Raises UserError."""
+        """Read an element inside a state that stands for one of its keys. Raises UserError."""
         if child.tag in _BLOCKS:
             return _key(_BLOCKS[child.tag], child), self.actions(child.children)
         if child.tag in _NAMED:
@@ -110,7 +109,7 @@ class _Importer:
             yield _key("target", transition), self.within(transition, "target", around)
 
     def within(self, element: Element, attribute: str, path: str) -> Scalar:
-        """A state named from the one around it."""
+        """The id in an attribute, relative to the state of ``path``."""
         scalar = _attribute(element, attribute)
         prefix = f"{path}." if path else ""
         return replace(scalar, text=scalar.text.removeprefix(prefix))
@@ -167,7 +166,7 @@ class _Importer:
         return Mapping(entries, element.where)
 
     def relative(self, source: str, target: str) -> str:
-        """A name for a state that is looked up from ``source`` outwards, as in YAML."""
+        """The name by which a YAML target in the state ``source`` means the state ``target``."""
         nearer: set[str] = set()
         place = source
         while True:
@@ -231,11 +230,11 @@ _ACTIONS: dict[str, Callable[[Element], Entry]] = {
     "cancel": lambda element: (_key("cancel", element), _value(element, "sendidexpr")),
     "log": lambda element: (_key("log", element), _value(element, "expr")),
 }
-"""SCXML's own actions; others of ours have the element of their key."""
+"""The readers of actions; any other action is an element of its own name in our namespace."""
 
 
 def _refuse_foreign(element: Element) -> None:
-    """What other programs add to a transition or an action must not be lost in silence."""
+    """Raise UserError for attributes and elements of other programs, which would be lost."""
     known = _ATTRIBUTES.get(element.tag, element.attributes)
     for name in element.attributes:
         if name not in known and not name.startswith(("v:", "{")):
@@ -271,7 +270,7 @@ def _attribute(element: Element, name: str) -> Scalar:
 
 
 def _named(key: str, element: Element, parts: Iterable[Element], name: str) -> Entry:
-    """A map from the parts of an element: each has a name and an `expr`."""
+    """A map whose names and values are the attribute ``name`` and the `expr` of elements."""
     entries: list[Entry] = [(_attribute(part, name), _value(part, "expr")) for part in parts]
     return _key(key, element), Mapping(entries, element.where)
 
@@ -291,7 +290,7 @@ _LEAD = "v: "
 
 
 def _yaml(text: str, where: Where) -> YamlNode:
-    """One value, its places moved to where it stands in the document. Raises UserError."""
+    """Read one YAML value, with its places in the document. Raises UserError."""
     try:
         node = read_text(_LEAD + text, where.file)
     except UserError as error:

@@ -1,4 +1,4 @@
-"""SCXML documents of others, compiled to the same graph that missions become.
+"""Compiles SCXML documents of other programs to graphs.
 
 The W3C's rules hold here, not those of the YAML language: transitions leave their state unless
 ``type="internal"``, an event is caught by any prefix of its tokens, data are those of the whole
@@ -31,7 +31,7 @@ from fsm.values.types import ANY
 from vencejo.errors import Fault, UserError, Where, nearest
 
 VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})
-"""A document names nothing of the host, and the host reacts to nothing in it."""
+"""A host without names, which reacts to no event of a document."""
 
 _STATES = ("state", "parallel", "final", "history")
 _KNOWN = {
@@ -43,8 +43,11 @@ _KNOWN = {
 }
 
 
-def catches(descriptors: str, event: str) -> bool:
-    """Whether one of these descriptors names the event: ``foo`` and ``foo.*`` name ``foo.bar``."""
+def descriptors_match(descriptors: str, event: str, _: Vocabulary = VOCABULARY) -> bool:
+    """Whether one of these descriptors matches an event: ``foo`` and ``foo.*`` match ``foo.bar``.
+
+    They are separated by blanks (W3C recommendation of 2015, section 3.12.1).
+    """
     for descriptor in descriptors.split():
         prefix = descriptor.removesuffix("*").removesuffix(".")
         if not prefix or event == prefix or event.startswith(prefix + "."):
@@ -53,9 +56,9 @@ def catches(descriptors: str, event: str) -> bool:
 
 
 def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY) -> Graph:
-    """The graph of a document. Raises UserError with every fault that was found.
+    """Compile a document. Raises UserError with every fault that was found.
 
-    ``vocabulary`` is that of the host it will run on, whose names the document does not see.
+    ``vocabulary`` is that of the host it will run on; the document does not see its names.
     """
     if root.tag != "scxml":
         hint = 'it begins with <scxml xmlns="http://www.w3.org/2005/07/scxml">'
@@ -68,11 +71,11 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
 
 
 def _odd(graph: Graph) -> Iterator[Fault]:
-    """What looks like a mistake. SCXML allows all of it, so that nothing here is an error."""
+    """Warnings of likely mistakes. SCXML allows them all, so that none is an error."""
 
     def covers(earlier: str, later: str) -> bool:
         names = (descriptor.removesuffix("*").removesuffix(".") for descriptor in later.split())
-        return all(catches(earlier, name) for name in names)
+        return all(descriptors_match(earlier, name) for name in names)
 
     for fault in (
         *endless_states(graph, lambda region: False),
@@ -148,7 +151,7 @@ class _Loader:
         return Graph(
             name=self.name,
             description="",
-            nodes=build_nodes(self.states, self.first_slot, lambda d, event, _: catches(d, event)),
+            nodes=build_nodes(self.states, self.first_slot, descriptors_match),
             parameters=nothing,
             parameter_slots=nothing,
             vocabulary=self.vocabulary,
@@ -199,10 +202,10 @@ class _Loader:
                     first = Compiled(ANY, compile_value(text, where, names), text, where)
                 yield Data(name, names.variables[name], ANY, first)
 
-    # -- where states lead ------------------------------------------------------------------
+    # -- targets ----------------------------------------------------------------------------
 
     def link(self) -> None:
-        """Find the initial states, and where history goes the first time."""
+        """Resolve the initial states and the default targets of history states."""
         for state, element in zip(self.states, self.elements, strict=True):
             with self.faults.collecting():
                 if state.type == "compound":
@@ -225,7 +228,7 @@ class _Loader:
         return targets
 
     def default_targets(self, history: StateDraft, element: Element) -> tuple[StateDraft, ...]:
-        """The states that a history state stands for the first time. Raises UserError."""
+        """The states that a history state stands for while it has no content. Raises UserError."""
         transition = _transition_of(element)
         assert history.parent is not None
         if transition is None or transition.get("target") is None:
@@ -247,7 +250,7 @@ class _Loader:
                     "unknown-target", what, where, nearest(id_, filter(None, self.by_id))
                 )
         targets = tuple([self.by_id[id_] for id_ in ids])
-        # In document order, two that clash have neighbours that do.
+        # In document order, two incompatible targets have neighbours that are.
         for a, b in pairwise(sorted(targets, key=lambda target: target.index)):
             if not compatible(a, b):
                 raise UserError(
@@ -258,9 +261,10 @@ class _Loader:
                 )
         return targets
 
-    # -- what stands in each state ----------------------------------------------------------
+    # -- the contents of each state ---------------------------------------------------------
 
     def fill(self, state: StateDraft, element: Element) -> None:
+        """Compile everything that stands in a state into its draft."""
         content = self.content
         if state.parent is None:
             state.entry = content.actions(element.all("script"))
@@ -313,7 +317,7 @@ def _type(element: Element) -> StateType:
 
 
 def _kind(element: Element, usual: str, other: str) -> str:
-    """Its ``type``, which is one of two words. Raises UserError."""
+    """The ``type`` of an element, one of two words. Raises UserError."""
     word = element.get("type") or usual
     if word not in (usual, other):
         what = f"a <{element.tag}> is {usual} or {other}, not '{word}'"

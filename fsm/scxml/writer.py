@@ -1,7 +1,7 @@
-"""Missions as SCXML, so that other tools can show them; nothing of the mission is lost.
+"""Exports missions as SCXML, so that other tools can show them; nothing of the mission is lost.
 
-What SCXML has too is written in its words: states, transitions, history, entry and exit actions,
-data. The rest travels in our own namespace, each key of the mission as an element or attribute of
+States, transitions, history, entry and exit actions and data are written as SCXML's own elements.
+Everything else is written in our namespace, each key of the mission as an element or attribute of
 that name, which :mod:`fsm.scxml.importer` reads again. A state's id is its path. Values and
 expressions stay as they are in YAML; ``datamodel="vencejo"`` says so.
 """
@@ -30,7 +30,7 @@ _OF_TYPE = {"final": frozenset({"output"}), "history": frozenset({"deep", "targe
 
 
 def write_scxml(spec: MissionSpec) -> str:
-    """A mission that compiles, as an SCXML document. Raises UserError."""
+    """Export a mission that compiles as an SCXML document. Raises UserError."""
     faults = Faults()
     writer = _Writer(Tree(spec, faults))
     assert spec.node is not None, "the reader keeps the node of every mission"
@@ -64,7 +64,7 @@ def flow(node: YamlNode) -> str:
 
 
 class _Writer:
-    """Writes states into elements; the tree finds what their targets mean."""
+    """Writes states into elements; the tree resolves their targets."""
 
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
@@ -195,7 +195,7 @@ class _Writer:
 
 
 def event_of(trigger: str, path: str, compound: bool) -> str:
-    """The name SCXML has for an outcome: ``done`` is an event there, named after its state."""
+    """SCXML's name for an outcome: ``done`` is an event there, named after its state."""
     if trigger == "done" and path:
         return f"done.{'state' if compound else 'invoke'}.{path}"
     return trigger

@@ -144,3 +144,9 @@ def test_the_domain_of_a_transition(
 ) -> None:
     found = domain_of(draft[source], [draft[index] for index in targets], reenter)
     assert (None if found is None else found.name) == domain
+
+
+def test_the_root_of_an_included_graph_is_not_left_by_its_own_transitions(draft: Draft) -> None:
+    left = draft[2]
+    left.border = True
+    assert domain_of(left, [draft[3]], True) is left
