@@ -456,3 +456,21 @@ states:
         (sent.due, sent.to) for sent in run.instance.state.delayed
     ]
     assert restored.state.delayed[0].to == "cat"
+
+
+def test_a_restored_run_knows_its_active_states() -> None:
+    mission = """
+states:
+  both:
+    type: parallel
+    on: {operator.abort: end}
+    states:
+      l: {states: {a: {on: {word.said: b}}, b: {on: {link.lost: a}}}}
+      r: {throughout: {log: "${active('both.l.b')}"}}
+  end: {type: final}
+"""
+    run = Run(mission)
+    run.run()
+    run.post("word.said").run()
+    resumed(run).run()
+    assert run.logged() == ["false", "true", "true"]
