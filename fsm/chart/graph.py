@@ -245,11 +245,12 @@ class Node(Frozen, Nested, State):
 
         ``vocabulary`` says which events are urgent: ``*`` does not catch those in a mission.
         """
-        found: list[Edge] = []
+        found: tuple[Edge, ...] = ()
+        matches = self.matches
         for pattern, edges in self.on:
-            if self.matches(pattern, event, vocabulary):
+            if matches(pattern, event, vocabulary):
                 found += edges
-        return tuple(found)
+        return found
 
 
 def build_nodes(draft: Draft, first_slot: int, matches: Matching) -> tuple[Node, ...]:

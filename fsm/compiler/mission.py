@@ -86,6 +86,8 @@ def pattern_matches(pattern: str, event: str, vocabulary: Vocabulary) -> bool:
 
     ``*`` matches neither ``error.…`` nor the host's urgent events.
     """
+    if "*" not in pattern:
+        return pattern == event
     if pattern == "*":
         return not event.startswith("error.") and not vocabulary.is_urgent(event)
     return matches(pattern, event)
