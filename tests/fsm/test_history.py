@@ -88,3 +88,14 @@ events: {my.go: {}, my.back: {}}
     run.run()
     run.post("my.go").post("word.said").post("my.back")
     assert run.run() == ["work.both.l.b", "work.both.r.b"]
+
+
+def test_progress_that_was_given_back_is_gone_when_its_state_is_left_before_it_starts() -> None:
+    run = Run(HISTORY.format(deep=""))
+    run.run(3)
+    run.post("word.said").run()
+    run.post("my.back").post("word.said").post("my.anew")
+    assert run.run() == ["work.one"]
+    assert [activity.resumed for activity in run.activities] == [None, None]
+    run.post("word.said").post("my.back").run()
+    assert run.activities[-1].resumed == {"steps": 1}

@@ -131,3 +131,12 @@ states:
     run.run()
     run.post("word.said")
     assert run.run() == ["both.l.b", "both.r.b", "both.z"]
+
+
+def test_a_region_that_is_entered_again_has_not_finished() -> None:
+    text = PARALLEL.replace("operator.abort: end", "word.said: both, operator.abort: end")
+    run = Run(text, {"both.l": ["done", None, None, "done"], "both.r.x": [None, None, "done"]})
+    run.run(2)
+    run.post("word.said").run()
+    assert run.run(2) == ["both.l", "both.r.out"], "the left one works again"
+    assert run.run(2) == ["end"]

@@ -474,3 +474,15 @@ states:
     run.post("word.said").run()
     resumed(run).run()
     assert run.logged() == ["false", "true", "true"]
+
+
+def test_only_what_is_active_is_kept_of_states() -> None:
+    run = Run(ROUND, SCRIPT)
+    for number in range(40):
+        run.run(1, battery=0.4 if number % 16 > 6 else 0.9)
+        if number in (13, 25):
+            run.post("turn.back")
+        saved = save(run.instance)
+        for name in ("conditions", "timers", "running", "resumed"):
+            assert set(saved[name]) <= set(saved["configuration"])
+        assert set(saved["finished"]) <= set(saved["configuration"])

@@ -257,6 +257,15 @@ def test_a_send_without_rest_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None
         advance(Instance(graph, Run("", graph=graph)), 0.0)
 
 
+def test_actions_of_a_default_entry_run_at_the_start_too() -> None:
+    body = (
+        '<state id="a"><onentry><log expr="1"/></onentry>'
+        '<initial><transition target="b"><log expr="2"/></transition></initial>'
+        '<state id="b"><onentry><log expr="3"/></onentry></state></state>'
+    )
+    assert document_run(body).logged() == ["1", "2", "3"]
+
+
 def test_what_may_be_triggered_sees_the_event_asked_for() -> None:
     body = '<state id="a"><transition event="*" cond="_event.name === \'yes\'" target="b"/></state>'
     graph = load_document(parse_document(f'{HEAD}{body}<state id="b"/></scxml>', "c"), "c")
