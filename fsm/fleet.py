@@ -13,7 +13,7 @@ from fsm.expressions.literals import Context
 from fsm.expressions.scope import TIME_SLOT, Binding, Scope, start
 from fsm.faults import Faults
 from fsm.language.includes import read_mission
-from fsm.language.keys import SMALL_NAME
+from fsm.language.keys import AT, SMALL_NAME, Place
 from fsm.language.spec import MissionSpec
 from fsm.values.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
@@ -21,9 +21,6 @@ from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, YamlNode, kind, read_file
 from vencejo.units import TIME
-
-FLEET_KEYS = frozenset({"fleet", "description", "world", "vehicles", "until"})
-VEHICLE_KEYS = frozenset({"mission", "with"})
 
 
 @dataclass(frozen=True)
@@ -57,8 +54,8 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     """
     shown = shown_as or str(path)
     node, faults = read_file(path, shown), Faults()
-    _keys(node, FLEET_KEYS, "a fleet", faults)
-    scalars = {key: _text(node, key, faults) for key in ("fleet", "world", "until", "description")}
+    _refuse_unknown(node, "fleet", faults)
+    texts = {name: _text(node, name, faults) for name in AT["fleet"] if name != "vehicles"}
     vehicles = node.get("vehicles")
     members: list[Member] = []
     entries = vehicles.entries if isinstance(vehicles, MapNode) else []
@@ -68,14 +65,14 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     for name, value in entries:
         with faults.collecting():
             members.append(_member(name, value, path.parent, shown, faults))
-    fleet, description = scalars["fleet"], scalars["description"]
+    fleet, description = texts["fleet"], texts["description"]
     spec = FleetSpec(
         fleet.text if fleet else path.stem,
         shown,
         description.text if description else "",
         tuple(members),
-        scalars["world"],
-        scalars["until"],
+        texts["world"],
+        texts["until"],
         frozenset(name.text for name, _ in entries),
     )
     return spec, faults
@@ -127,7 +124,7 @@ def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faul
         faults.fail("bad-name", f"'{name.text}' is no name for a vehicle", name.where, hint)
     if not isinstance(node, MapNode):
         raise UserError("wrong-type", f"a vehicle is a map, not {kind(node)}", node.where)
-    _keys(node, VEHICLE_KEYS, "a vehicle", faults)
+    _refuse_unknown(node, "vehicle", faults)
     word = _text(node, "mission", faults)
     if word is None:
         message, hint = f"'{name.text}' has no mission", "mission: file.yaml"
@@ -144,11 +141,11 @@ def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faul
     return Member(name, spec, path, with_)
 
 
-def _keys(node: MapNode, known: frozenset[str], what: str, faults: Faults) -> None:
+def _refuse_unknown(node: MapNode, place: Place, faults: Faults) -> None:
     for key, _ in node:
-        if key.text not in known:
-            hint = nearest(key.text, known)
-            faults.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+        if key.text not in AT[place]:
+            hint = nearest(key.text, AT[place])
+            faults.fail("unknown-key", f"a {place} has no key '{key.text}'", key.where, hint)
 
 
 def _text(node: MapNode, key: str, faults: Faults) -> Scalar | None:

@@ -25,8 +25,8 @@ class ActionSpec:
 class TransitionSpec:
     """One alternative of a trigger; without targets nothing is left."""
 
-    targets: tuple[Scalar, ...]
     where: Where
+    targets: tuple[Scalar, ...] = ()
     guard: Scalar | None = None
     actions: tuple[ActionSpec, ...] = ()
     hold: Scalar | None = None
