@@ -79,7 +79,7 @@ class _Assembly:
             start = inside.items[leg.source] if leg.source else inside.starts[leg.out]
             dx, dy = self.origins[leg.inside]
             points.extend((x + dx, y + dy) for x, y in inside.follow(start, leg.out, leg.key))
-        told = "\n".join(edge_text(edge) or "always" for edge in wire.edges)
+        told = "\n".join(edge_text(edge) for edge in wire.edges)
         return Line(
             wire.source.path,
             wire.target.path,
