@@ -169,6 +169,16 @@ def _parameter(parameter: Parameter) -> Schema:
     return {**value_schema(parameter.type), "description": help_}
 
 
+_VALUES: dict[type[Type], Schema] = {
+    Bool: {"anyOf": [_TRUTH, _EXPRESSION]},
+    Text: _TEXT,
+    PointType: {"type": ["array", "object", "string", "boolean"]},
+    HeadingType: {"type": ["number", "string", "object"]},
+    ListOf: {"anyOf": [{"type": "array"}, _EXPRESSION]},
+    MapOf: {"anyOf": [{"type": "object"}, _EXPRESSION]},
+}
+
+
 def value_schema(type_: Type) -> Schema:
     """What may stand in a place of a type, as far as a schema can say it."""
     match type_:
@@ -179,17 +189,7 @@ def value_schema(type_: Type) -> Schema:
                 | ({"minimum": low} if low > -inf else {})
                 | ({"maximum": high} if high < inf else {})
             )
-        case Bool():
-            return {"anyOf": [_TRUTH, _EXPRESSION]}
-        case Text(choices=choices):
-            return {"anyOf": [{"enum": list(choices)}, _EXPRESSION]} if choices else dict(_TEXT)
-        case PointType():
-            return {"type": ["array", "object", "string", "boolean"]}
-        case HeadingType():
-            return {"type": ["number", "string", "object"]}
-        case ListOf():
-            return {"anyOf": [{"type": "array"}, _EXPRESSION]}
-        case MapOf():
-            return {"anyOf": [{"type": "object"}, _EXPRESSION]}
+        case Text(choices=choices) if choices:
+            return {"anyOf": [{"enum": list(choices)}, _EXPRESSION]}
         case _:
-            return {}
+            return dict(_VALUES.get(type(type_), {}))

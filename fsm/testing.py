@@ -237,18 +237,15 @@ class Trial:
         return f"it is in {', '.join(self.active) or 'no state'} and took {' → '.join(self.path)}"
 
 
+_BLANK = {Bool: False, Number: 0.0, Text: "", PointType: Point(0.0, 0.0, 0.0)}
+
+
 def _blank(type_: Type) -> Any:
+    """The first value of a host name of that type; None for one of which nothing is known."""
     match type_:
-        case Bool():
-            return False
-        case Number():
-            return 0.0
-        case Text():
-            return ""
-        case PointType():
-            return Point(0.0, 0.0, 0.0)
         case ListOf():
             return []
         case MapOf(fields=fields):
             return SimpleNamespace(**{n: _blank(inner) for n, inner in (fields or {}).items()})
-    return None
+        case _:
+            return _BLANK.get(type(type_))

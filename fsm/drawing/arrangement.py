@@ -28,12 +28,19 @@ def arrange(rows: Rows, fixed_order: bool) -> None:
     upper, lower = _links(rows)
     sweeps = SWEEPS if len(upper) < MANY else FEWER_SWEEPS
     _order(rows, upper, lower, fixed_order, sweeps)
-    for row in rows.rows:
+    _align(rows, upper, lower, sweeps)
+    tighten(rows)
+    _shift_to_origin(rows)
+    _free_ports(rows)
+
+
+def _align(rows: Rows, upper: Links, lower: Links, sweeps: int) -> None:
+    """Give each item its ``x``, sweeping over the rows downwards and upwards in turn."""
+    order = [(row, _gaps(row)) for row in rows.rows]
+    for row, apart in order:
         x = 0.0
-        for item, step in zip(row, [0.0, *_gaps(row)], strict=False):
+        for item, step in zip(row, [0.0, *apart], strict=False):
             x = item.x = x + step
-    gaps = [_gaps(row) for row in rows.rows]
-    order = list(zip(rows.rows, gaps, strict=True))
     for _ in range(sweeps // 2):
         for row, apart in order:
             _settle(row, apart, upper)
@@ -43,14 +50,14 @@ def arrange(rows: Rows, fixed_order: bool) -> None:
         _settle(row, apart, upper, lower)
     for row, apart in order:
         _settle(row, apart, upper)
-    tighten(rows)
+
+
+def _shift_to_origin(rows: Rows) -> None:
+    """Shift all items so that the leftmost begins at 0, in whole pixels; headings stay left."""
     left = min((item.left for row in rows.rows for item in row), default=0.0)
     for row in rows.rows:
         for item in row:
-            item.x = float(round(item.x - left))
-            if item.kind == "head":
-                item.x = item.anchor
-    _free_ports(rows)
+            item.x = item.anchor if item.kind == "head" else float(round(item.x - left))
 
 
 def _links(rows: Rows) -> tuple[Links, Links]:

@@ -24,6 +24,7 @@ from fsm.values.types import (
     Type,
     fits,
     join,
+    join_all,
     product,
     raised,
 )
@@ -61,6 +62,8 @@ _INSTEAD = {
     ast.Dict: "a map in YAML, or a data variable",
     ast.NamedExpr: "a `define`",
 }
+
+_FOREIGN = "this is not part of the expression language"
 
 _TAKES_NUMBERS = frozenset(
     [
@@ -119,41 +122,15 @@ class Translator:
         return name
 
     def visit(self, node: ast.expr) -> tuple[str, Type]:
-        match node:
-            case ast.Constant(value=value):
-                return self._constant(node, value)
-            case ast.Name():
-                return self._name(node)
-            case ast.Attribute():
-                return self._attribute(node)
-            case ast.Subscript():
-                return self._subscript(node)
-            case ast.UnaryOp():
-                return self._unary(node)
-            case ast.BinOp():
-                return self._binary(node)
-            case ast.BoolOp(op=op, values=values):
-                word = " and " if isinstance(op, ast.And) else " or "
-                return "(" + word.join(self.truth(value) for value in values) + ")", BOOL
-            case ast.Compare():
-                return self._compare(node)
-            case ast.IfExp(test=test, body=body, orelse=orelse):
-                condition = self.truth(test)
-                (a, type_a), (b, type_b) = self.visit(body), self.visit(orelse)
-                self._alike(node, type_a, type_b, "the two alternatives")
-                return f"({a} if {condition} else {b})", join(type_a, type_b)
-            case ast.List(elts=elements) | ast.Tuple(elts=elements):
-                return self._list(elements)
-            case ast.Call():
-                return self._call(node)
-            case ast.ListComp():
-                return self._comprehension(node)
-        hint = next(
-            (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind)), None
-        )
-        self.fail(node, "bad-expression", "this is not part of the expression language", hint)
+        """The code and the type of a part of the expression. Raises UserError."""
+        visitor = _VISITORS.get(type(node))
+        if visitor is None:
+            cures = (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind))
+            self.fail(node, "bad-expression", _FOREIGN, next(cures, None))
+        return visitor(self, node)
 
-    def _constant(self, node: ast.expr, value: Any) -> tuple[str, Type]:
+    def _constant(self, node: ast.Constant) -> tuple[str, Type]:
+        value = node.value
         if isinstance(value, bool) or value is None:
             return repr(value), BOOL if value is not None else ANY
         if isinstance(value, (int, float)):
@@ -162,7 +139,7 @@ class Translator:
             return repr(value), BARE
         if isinstance(value, str):
             return repr(value), Text((value,))
-        self.fail(node, "bad-expression", "this is not part of the expression language")
+        self.fail(node, "bad-expression", _FOREIGN)
 
     def _name(self, node: ast.Name) -> tuple[str, Type]:
         name = node.id
@@ -338,6 +315,16 @@ class Translator:
             return f"({left} {symbol} {right})", join(a, b)
         return f"({left} {symbol} {right})", product(a, b, 1 if symbol == "*" else -1)
 
+    def _logic(self, node: ast.BoolOp) -> tuple[str, Type]:
+        word = " and " if isinstance(node.op, ast.And) else " or "
+        return "(" + word.join(self.truth(value) for value in node.values) + ")", BOOL
+
+    def _choice(self, node: ast.IfExp) -> tuple[str, Type]:
+        condition = self.truth(node.test)
+        (a, type_a), (b, type_b) = self.visit(node.body), self.visit(node.orelse)
+        self._alike(node, type_a, type_b, "the two alternatives")
+        return f"({a} if {condition} else {b})", join(type_a, type_b)
+
     def _alike(self, node: ast.AST, a: Type, b: Type, what: str) -> None:
         if isinstance(a, Number) and isinstance(b, Number) and not fits(a, b):
             self.fail(node, "wrong-dimension", f"{what} are {a} and {b}")
@@ -403,13 +390,9 @@ class Translator:
             return f"{self.use('number', fn.number)}({code})"
         self.fail(node, "wrong-type", f"only numbers are more or less, not {type_}")
 
-    def _list(self, elements: list[ast.expr]) -> tuple[str, Type]:
-        codes, joined = [], None
-        for element in elements:
-            code, type_ = self.visit(element)
-            codes.append(code)
-            joined = type_ if joined is None else join(joined, type_)
-        return f"[{', '.join(codes)}]", ListOf(joined or ANY)
+    def _list(self, node: ast.List | ast.Tuple) -> tuple[str, Type]:
+        found = [self.visit(element) for element in node.elts]
+        return f"[{', '.join(code for code, _ in found)}]", ListOf(join_all([t for _, t in found]))
 
     # -- calls --------------------------------------------------------------------------------
 
@@ -509,6 +492,24 @@ class Translator:
         for name in names:
             del self.locals[name]
         return f"[{element}{''.join(pieces)}]", ListOf(type_)
+
+
+_VISITORS: Mapping[type[ast.expr], Callable[[Translator, Any], tuple[str, Type]]] = {
+    ast.Constant: Translator._constant,
+    ast.Name: Translator._name,
+    ast.Attribute: Translator._attribute,
+    ast.Subscript: Translator._subscript,
+    ast.UnaryOp: Translator._unary,
+    ast.BinOp: Translator._binary,
+    ast.BoolOp: Translator._logic,
+    ast.Compare: Translator._compare,
+    ast.IfExp: Translator._choice,
+    ast.List: Translator._list,
+    ast.Tuple: Translator._list,
+    ast.Call: Translator._call,
+    ast.ListComp: Translator._comprehension,
+}
+"""The parts of Python that the language has; all others are refused."""
 
 
 def _fields(found: Binding | Define | None) -> Mapping[str, Type]:

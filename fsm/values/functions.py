@@ -154,6 +154,9 @@ class Budget:
             yield value
 
 
+_WORDS = {True: "true", False: "false", None: "none"}
+
+
 def shown(value: Any) -> str:
     """A value as an expression would write it, shortened."""
     text = as_text(value)
@@ -163,10 +166,8 @@ def shown(value: Any) -> str:
 def as_text(value: Any) -> str:
     """How a value reads inside a text."""
     match value:
-        case bool():
-            return "true" if value else "false"
-        case None:
-            return "none"
+        case bool() | None:
+            return _WORDS[value]
         case float():
             return f"{value:.6g}"
         case Point():

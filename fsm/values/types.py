@@ -6,8 +6,9 @@ a type stands in :mod:`fsm.expressions.literals`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from math import inf
 from types import MappingProxyType
 from typing import Any
@@ -140,6 +141,15 @@ NAMED: Mapping[str, Type] = MappingProxyType(
 """The types a mission may write after ``type:``."""
 
 
+_FORMS: Mapping[type[Type], tuple[type[Type], ...]] = {
+    Text: (Text,),
+    MapOf: (MapOf,),
+    HeadingType: (Text, MapOf),
+    PointType: (Text, ListOf, MapOf),
+}
+"""The types whose values may be written in a place; what is in them is checked in flight."""
+
+
 def fits(place: Type, given: Type) -> bool:
     """Whether a value of ``given`` may stand where ``place`` is asked for, as far as is known."""
     if isinstance(place, AnyType) or isinstance(given, AnyType) or place == given:
@@ -147,20 +157,12 @@ def fits(place: Type, given: Type) -> bool:
     match place, given:
         case Number(dimension=a), Number(dimension=b):
             return a is None or b is None or a == b
-        case Text(), Text():
-            return True
-        case ListOf(item=a), ListOf(item=b):
-            return fits(a, b)
-        case MapOf(), MapOf():
-            return True
         case HeadingType(), Number(dimension=b):
             return b is None or b == ANGLE
-        case HeadingType(), (Text() | MapOf()):
-            return True
-        case PointType(), (ListOf() | MapOf() | Text()):
-            return True
+        case ListOf(item=a), ListOf(item=b):
+            return fits(a, b)
         case _:
-            return False
+            return isinstance(given, _FORMS.get(type(place), ()))
 
 
 def join(a: Type, b: Type) -> Type:
@@ -177,6 +179,11 @@ def join(a: Type, b: Type) -> Type:
     if isinstance(a, ListOf) and isinstance(b, ListOf):
         return ListOf(join(a.item, b.item))
     return ANY
+
+
+def join_all(types: Sequence[Type]) -> Type:
+    """The type of what may be any of them; of an empty list, any type at all."""
+    return reduce(join, types) if types else ANY
 
 
 def product(a: Number, b: Number, sign: int) -> Number:
@@ -200,27 +207,24 @@ def raised(base: Number, squared: bool) -> Number:
     return BARE
 
 
+_TYPE_OF_CLASS: tuple[tuple[type, Type], ...] = (
+    (bool, BOOL),  # before int, whose subclass it is
+    (int, BARE),
+    (float, BARE),
+    (str, TEXT),
+    (Point, POINT),  # before tuple
+    (dict, MapOf()),
+)
+
+
 def type_of(value: Any) -> Type:
     """The type of a value that is there already."""
-    match value:
-        case bool():
-            return BOOL
-        case int() | float():
-            return BARE
-        case str():
-            return TEXT
-        case Point():
-            return POINT
-        case list() | tuple():
-            items = [type_of(item) for item in value]
-            joined = items[0] if items else ANY
-            for item in items[1:]:
-                joined = join(joined, item)
-            return ListOf(joined)
-        case dict():
-            return MapOf()
-        case _:
-            return ANY
+    for class_, type_ in _TYPE_OF_CLASS:
+        if isinstance(value, class_):
+            return type_
+    if isinstance(value, (list, tuple)):
+        return ListOf(join_all([type_of(item) for item in value]))
+    return ANY
 
 
 def in_bounds(type_: Type, value: Any) -> None:

@@ -240,10 +240,8 @@ def _line(what: str, fields: Mapping[str, Any]) -> str:
             return f"event {owner}{fields['name']}{'' if fields['taken'] else ' unheard'}"
         case "transition":
             return f"{fields['from'] or '/'} -> {', '.join(fields['to'])} by {fields['by']}"
-        case "enter" | "exit" | "stop":
+        case "enter" | "exit" | "start" | "stop":
             return f"{what} {fields['state'] or '/'}"
-        case "start":
-            return f"start {fields['state'] or '/'}"
         case "set" | "append":
             return f"{what} {fields['name']} {fields['value']}"
         case _:
