@@ -1,4 +1,4 @@
-"""Fleets: several missions that fly together, by one clock. They are read and checked here."""
+"""Reads and checks fleets: several missions that fly together, by one clock."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from vencejo.units import TIME
 
 @dataclass(frozen=True)
 class Member:
-    """One vehicle of a fleet and what it flies."""
+    """One vehicle of a fleet, with its mission and the parameters given to it."""
 
     name: Scalar
     spec: MissionSpec
@@ -44,11 +44,11 @@ class FleetSpec:
     world: Scalar | None = None
     until: Scalar | None = None
     names: frozenset[str] = frozenset()
-    """Of all its vehicles, those with a broken mission too."""
+    """The names of all vehicles, also of those whose missions cannot be read."""
 
 
 def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faults]:
-    """A fleet with all its missions that can be read, and the mistakes of form of all files.
+    """Read a fleet with all its missions, and collect the mistakes of form in all files.
 
     Raises UserError when the fleet's own file cannot be read at all.
     """
@@ -79,7 +79,7 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
 
 
 def check_fleet(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Faults:
-    """What is wrong between a fleet and its compiled missions."""
+    """The faults of a fleet that its compiled missions show: parameters, names, `until`."""
     faults, scope = Faults(), Scope()
     for name in spec.names - {member.name.text for member in spec.members}:
         # Its mission cannot be read, which is a fault already.

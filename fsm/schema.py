@@ -66,7 +66,7 @@ def mission_schema(vocabulary: Vocabulary) -> Schema:
 
 
 def _described(keys: Mapping[str, Key], more: Mapping[str, Schema]) -> dict[str, Schema]:
-    """The schemas of keys with their help, by name; ``more`` is what the table cannot say."""
+    """The schemas of keys with their help, by name; ``more`` adds to those in the table."""
     return {
         name: {**key.kind.schema, **more.get(name, {}), "description": key.help}
         for name, key in sorted(keys.items())
@@ -74,7 +74,7 @@ def _described(keys: Mapping[str, Key], more: Mapping[str, Schema]) -> dict[str,
 
 
 def _host_words(vocabulary: Vocabulary) -> dict[str, Schema]:
-    """What the host's behaviours and events add to `do` and `on`."""
+    """The parts of `do` and `on` that name the host's behaviours and events."""
     names = [
         {"const": name, "description": behavior.help.replace("``", "`")}
         for name, behavior in sorted(vocabulary.behaviors.items())
@@ -129,7 +129,7 @@ def _fleet() -> Schema:
 
 
 def _for_behavior(behavior: BehaviorInfo) -> Schema:
-    """What holds in a state whose ``do`` is this behaviour."""
+    """The rule for states whose ``do`` is this behaviour: its parameters and outcomes."""
     parameters = behavior.parameters.values()
     places = {
         "with": closed({p.name: _parameter(p) for p in parameters}),
@@ -180,7 +180,7 @@ _VALUES: dict[type[Type], Schema] = {
 
 
 def value_schema(type_: Type) -> Schema:
-    """What may stand in a place of a type, as far as a schema can say it."""
+    """The schema of the values that a place of some type takes, as far as a schema can say it."""
     match type_:
         case Number(min=low, max=high):
             found: Schema = {"type": ["number", "string"], "pattern": _QUANTITY}

@@ -1,4 +1,4 @@
-"""What a diagram of a graph says: states and transitions in words, in full and shortened."""
+"""The texts of a diagram: states, transitions and actions, in full and shortened."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from fsm.language.keys import AT
 from vencejo import nodes
 
 SHORT = 34
-"""Letters that a line of a diagram has at most."""
+"""The most letters in one line of a diagram."""
 
 
 def shortened(text: str, limit: int = SHORT) -> str:
@@ -92,7 +92,10 @@ def edge_label(edge: Edge) -> str:
 
 
 def edges_label(edges: tuple[Edge, ...]) -> tuple[str, ...]:
-    """Transitions that go the same way: plain ones share a line, the others have one each."""
+    """The label of transitions with the same source and target, as lines of text.
+
+    Transitions without guard, actions and name share a line, the others have one each.
+    """
     lines: list[str] = []
     plain = False
     for edge in edges:
@@ -107,7 +110,7 @@ def edges_label(edges: tuple[Edge, ...]) -> tuple[str, ...]:
 
 
 def node_lines(node: Node) -> tuple[str, ...]:
-    """What stands in a state besides its name and what leaves it."""
+    """The lines in the box of a state: behaviour, actions, outcome and internal transitions."""
     lines = [doing(node)] if node.invocation else []
     for word, actions in blocks(node):
         if actions:
@@ -119,13 +122,13 @@ def node_lines(node: Node) -> tuple[str, ...]:
 
 
 def stays(edge: Edge) -> bool:
-    """Whether a transition is told inside its state: it leaves nothing, or there is no outside."""
+    """Whether a transition stands in the box of its state: it leaves no state, or is the root's."""
     root = edge.node.parent is None
     return not edge.targets or (root and edge.targets == (edge.node,))
 
 
 def node_title(node: Node) -> str:
-    """All about a state, for those who point at it."""
+    """The full text of a state, which viewers show where the pointer is."""
     lines = [node.path or node.local_name, node.description, doing(node)]
     for word, actions in blocks(node):
         lines.extend(f"{word}: {action_text(action)}" for action in actions)

@@ -47,5 +47,5 @@ def _type(node: Node) -> str:
 
 
 def _name(source: Node, target: Node) -> str:
-    """A target as short as siblings are called."""
+    """The name of a target: short for a sibling, else its path."""
     return target.local_name if target.parent is source.parent else target.path or "the mission"

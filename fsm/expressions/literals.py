@@ -1,4 +1,4 @@
-"""Reads what stands in a place of a type: a literal, an expression, or a literal with some inside.
+"""Reads the value in a place of some type: a literal, an expression, or both mixed.
 
 Points, headings and routes keep the form a person wrote when it can only be resolved in flight:
 a full ``[x, y, z]`` becomes a :class:`vencejo.Point`, a place name stays a text, and everything
@@ -54,7 +54,7 @@ _POINT_HELP = (
 
 @dataclass(frozen=True)
 class Context:
-    """Where values are read: the names in sight and the places that are known."""
+    """The surroundings of a value: the names in scope and the places that are known."""
 
     scope: Scope = field(default_factory=Scope)
     places: Mapping[str, Point] = field(default_factory=dict)
@@ -228,7 +228,7 @@ def _template(node: Scalar, parts: list[str | Inserted], context: Context) -> Co
 
 
 def _placed(compiled: Compiled, place: Type) -> Compiled:
-    """An expression whose value is checked against its place whenever it is evaluated."""
+    """The expression, with its value converted for its place at each evaluation."""
     if isinstance(place, AnyType):
         return compiled
     return Compiled(
@@ -246,6 +246,7 @@ def _placed(compiled: Compiled, place: Type) -> Compiled:
 
 @contextmanager
 def collecting(faults: list[Fault]) -> Iterator[None]:
+    """Add the faults of a UserError to a list, and go on after the block."""
     try:
         yield
     except UserError as error:
@@ -253,7 +254,7 @@ def collecting(faults: list[Fault]) -> Iterator[None]:
 
 
 def _read_all(nodes: list[tuple[YamlNode, Type]], context: Context) -> list[Compiled]:
-    """Several values; the faults of all of them together."""
+    """Read several values. Raises UserError with the faults of all of them."""
     faults: list[Fault] = []
     found = []
     for node, place in nodes:
@@ -267,7 +268,7 @@ def _read_all(nodes: list[tuple[YamlNode, Type]], context: Context) -> list[Comp
 def _built(
     items: list[Compiled], make: Callable[[list[Any]], Any], type_: Type, where: Where
 ) -> Compiled:
-    """A value made of others; constant when they all are."""
+    """A value that is made of others, and constant when they all are."""
     functions = [item.function for item in items]
     if all(item.constant for item in items):
         value = make([item.value() for item in items])

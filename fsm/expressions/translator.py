@@ -1,4 +1,4 @@
-"""Turns the tree of an expression into code of ours, part by part, together with its type."""
+"""Translates the syntax tree of an expression to Python code of our own, and finds its type."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from vencejo.errors import UserError, Where, nearest
 from vencejo.units import LENGTH, RATIO
 
 MAX_COST = 10_000
-"""Nodes of an expression with those of all defines it uses, each time it uses them."""
+"""The most parts of an expression, those of all defines included, counted at each use."""
 
 _COMPARE = {
     ast.Lt: "<",
@@ -85,7 +85,7 @@ _TAKES_NUMBERS = frozenset(
 
 
 class Translator:
-    """Turns one expression into code and type."""
+    """Translates one expression to code, and finds its type."""
 
     def __init__(
         self, text: str, where: Where, scope: Scope, arguments: Mapping[str, Type]
@@ -95,20 +95,22 @@ class Translator:
         self.locals: dict[str, Type] = {}
         self.namespace: dict[str, Any] = {"__builtins__": {}}
         self.reads: set[str] = set()
-        """Kinds of what its value depends on; a constant reads nothing."""
+        """The kinds of the names that its value depends on; empty for a constant."""
         self.loops = False
-        """Whether it has comprehensions, whose steps are counted in ``b``."""
+        """It has comprehensions, whose steps are counted in ``b``."""
         self.parsed = parse(text, where)
         self.defined = 0
-        """Parts of the defines it uses."""
+        """The number of parts of the defines it uses."""
         self._objects: set[str] = set()
-        """Pieces of code whose value is an object of the host's, with attributes."""
+        """Pieces of code whose value is an object of the host, read by attributes."""
 
     @property
     def cost(self) -> int:
+        """The number of its parts, those of the defines it uses included."""
         return self.parsed.parts + self.defined
 
     def translate(self) -> tuple[str, Type]:
+        """The code and the type of the whole expression. Raises UserError."""
         try:
             return self.visit(self.parsed.tree)
         except RecursionError:
@@ -118,6 +120,7 @@ class Translator:
         raise UserError(code, message, self.parsed.place(node), hint)
 
     def use(self, name: str, thing: Any) -> str:
+        """Give the code a name for something that it calls; the name."""
         self.namespace[name] = thing
         return name
 
@@ -244,7 +247,7 @@ class Translator:
         self.fail(node, "unknown-field", f"{type_} has no fields")
 
     def _part(self, code: str, name: str, function: Callable[[Any, str], Any]) -> str:
-        """The code of a field that is known to be declared."""
+        """The code that reads a field which is declared."""
         if code in self._objects:
             self._objects.add(f"{code}.{name}")
             return f"{code}.{name}"
@@ -271,6 +274,7 @@ class Translator:
         self.fail(node, "wrong-type", f"a number is needed here, not {type_}")
 
     def truth(self, node: ast.expr) -> str:
+        """The code of a part that must be true or false."""
         code, type_ = self.visit(node)
         if isinstance(type_, Bool):
             return code
@@ -373,7 +377,7 @@ class Translator:
         self._alike(node, a, b, f"the two sides of `{symbol}`")
 
     def _one_of(self, node: ast.expr, known: Text, given: Text) -> None:
-        """A literal that is none of the words its other side can be is a typing mistake."""
+        """Refuse a literal that is compared to a text which can never equal it."""
         literal = isinstance(node, ast.Constant)
         if literal and len(known.choices) > 1 and given.choices[0] not in known.choices:
             self.fail(

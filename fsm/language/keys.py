@@ -20,13 +20,13 @@ from fsm.values.types import NAMED
 # -- names -----------------------------------------------------------------------------------
 
 SMALL_NAME = re.compile(r"[a-z][a-z0-9_]*")
-"""Of states, outcomes and vehicles."""
+"""The form of the names of states, outcomes and vehicles."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""Of parameters, data and whatever else an expression can name."""
+"""The form of the names that expressions use: parameters, data, places."""
 MISSION_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 EVENT_NAME = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+")
 TRIGGER = re.compile(r"\*|[a-z][a-z0-9_]*(\.[a-z0-9_]+)*(\.\*)?")
-"""What may stand under `on`: an outcome, an event, all of a family, or all."""
+"""The form of the keys of `on`: an outcome, an event, a family of events, or all events."""
 
 # -- the table -------------------------------------------------------------------------------
 
@@ -68,7 +68,7 @@ class Key:
     own_field: str = ""
     """The field of the spec that it is read into, where that has another name."""
     apart: bool = False
-    """Whether the reader has code of its own for it: its value is not simply a field."""
+    """The reader has code of its own for it, since its value is not simply a field."""
     label: str = ""
     """The word that drawings write before its value."""
 

@@ -43,7 +43,7 @@ def spec_of(node: Mapping, file: str, name: str, faults: Faults) -> MissionSpec:
 
 
 def _fields(rows: Iterable[Key]) -> tuple[Key, ...]:
-    """Those keys whose values become fields of a spec as they are."""
+    """The keys whose values become fields of a spec as they are."""
     return tuple(key for key in rows if not key.apart)
 
 
@@ -203,7 +203,7 @@ class _Reader:
     # -- transitions ------------------------------------------------------------------------
 
     def triggers(self, node: Mapping) -> tuple[TriggerSpec, ...]:
-        """What a state waits for: events and outcomes, conditions, durations, then `always`."""
+        """The triggers of a state: outcomes and events, conditions, durations, then `always`."""
         found: list[TriggerSpec] = []
         for key in _TRIGGERS:
             trigger = cast(TriggerKind, key.name)
@@ -366,12 +366,12 @@ class _Reader:
         return tuple(found)
 
     def map(self, node: Mapping, key: str) -> list[tuple[Scalar, YamlNode]]:
-        """What stands in the map behind a key; nothing where there is none."""
+        """The entries of the map behind a key; none where the key is absent."""
         value = node.get(key)
         return [] if value is None else self.entries(value, key)
 
     def entries(self, value: YamlNode, key: str) -> list[tuple[Scalar, YamlNode]]:
-        """What stands in a map; nothing where it is none, which is a fault."""
+        """The entries of a map; none for any other value, which is a fault."""
         if isinstance(value, Mapping):
             return value.entries
         self.fail("wrong-type", f"`{key}` is a map, not {kind(value)}", value.where)

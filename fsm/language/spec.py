@@ -38,7 +38,7 @@ class TransitionSpec:
 
 @dataclass(frozen=True, slots=True)
 class TriggerSpec:
-    """What starts a transition (event, outcome, condition or duration), with its alternatives."""
+    """A trigger (event, outcome, condition or duration) with its alternative transitions."""
 
     kind: TriggerKind
     key: Scalar
@@ -55,7 +55,7 @@ class DefineSpec:
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """A key with whatever stands behind it."""
+    """A name and its value, which is read later."""
 
     name: Scalar
     node: YamlNode
@@ -86,7 +86,7 @@ class StateSpec:
     target: Scalar | None = None
     breakpoint: bool = False
     flawed: bool = False
-    """Whether some of its transitions could not be read."""
+    """Some of its transitions could not be read."""
 
     def walk(self) -> Iterator[StateSpec]:
         """This state and all inside it, in document order."""
@@ -111,9 +111,9 @@ class MissionSpec:
     outer_first: bool = False
     node: Mapping | None = None
     graphs: tuple[MissionSpec, ...] = ()
-    """Those kept in this file, by their names."""
+    """The graphs that are kept in this file."""
     included: dict[str, MissionSpec] = field(default_factory=dict)
-    """What each word after ``include`` stands for; filled by :mod:`fsm.language.includes`."""
+    """The graph of each word after ``include``; filled by :mod:`fsm.language.includes`."""
 
     def closure(self) -> list[MissionSpec]:
         """This graph and all that it includes, each once, the outer ones first."""

@@ -35,16 +35,16 @@ Reader = Literal[
 
 @dataclass(frozen=True, slots=True)
 class ValueKind:
-    """How a value is read, and what JSON Schema says of it."""
+    """A kind of value: its reader and its JSON Schema."""
 
     reader: Reader
     schema: Schema
     pattern: re.Pattern[str] | None = None
-    """What the name, or each name of the map, must match in full."""
+    """The form of the name, or of each name of the map."""
     options: tuple[str, ...] = ()
     """The words of a choice."""
     hint: str = ""
-    """What a name looks like, for those who wrote another."""
+    """The form of the name in words, for the hint of a fault."""
 
 
 def one_or_many(item: Schema) -> Schema:

@@ -1,4 +1,4 @@
-"""Values that come from expressions, put into the form that literals of their place have."""
+"""Converts the values of expressions to the form that literals have in the same place."""
 
 from __future__ import annotations
 
@@ -41,15 +41,14 @@ POINT_FORMS: tuple[Mapping[str, Type], ...] = (
 
 
 def point_of(values: list[Any]) -> Any:
+    """A point of three coordinates in metres, or the map of two, whose third is known in flight."""
     if len(values) == 3:
         return Point(float(values[0]), float(values[1]), float(values[2]))
     return {"x": float(values[0]), "y": float(values[1])}
 
 
 def converted(function: Callable[..., Any], place: Type) -> Callable[..., Any]:
-    """``function`` with its value converted for a place: quickly, if it is a number as it should
-    be already.
-    """
+    """``function`` with its value converted for a place; fast where it is a number that fits."""
     if not isinstance(place, Number):
         return lambda slots, event: convert(function(slots, event), place)
     kinds = {int} if place.whole else {float} if place.dimension is not None else {int, float}
@@ -64,7 +63,7 @@ def converted(function: Callable[..., Any], place: Type) -> Callable[..., Any]:
 
 
 def convert(value: Any, place: Type) -> Any:
-    """A value checked for its place and put into the form literals have there.
+    """The value in the form that literals have in its place.
 
     Raises EvaluationError with a sentence when it does not fit.
     """

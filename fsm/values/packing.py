@@ -1,4 +1,4 @@
-"""Values as JSON and back, exactly: what a running graph holds, in a file.
+"""Packs the values of a running graph as JSON, and unpacks them, without any loss.
 
 JSON has no points, tuples or records, and its maps no keys but texts. A map with one key that
 begins with ``$`` stands for each of them: ``{"$point": [0.0, 1.5, 3.0]}``. Floats keep every bit,

@@ -1,4 +1,4 @@
-"""The types of the mission language: what an expression gives and what a place takes.
+"""The types of the mission language: those of expressions and of the places for values.
 
 A type is a value; two types are compared with :func:`fits`. How a literal is read into a place of
 a type stands in :mod:`fsm.expressions.literals`.
@@ -30,7 +30,7 @@ class Type:
 
 @dataclass(frozen=True)
 class AnyType(Type):
-    """Not known before the value is there; fits everywhere and is checked in flight."""
+    """A type that is not known before the flight; fits everywhere, and is checked in flight."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,9 @@ _FORMS: Mapping[type[Type], tuple[type[Type], ...]] = {
 
 
 def fits(place: Type, given: Type) -> bool:
-    """Whether a value of ``given`` may stand where ``place`` is asked for, as far as is known."""
+    """Whether a value of the type ``given`` may stand in a place of type ``place``, as far as that
+    is known before the flight.
+    """
     if isinstance(place, AnyType) or isinstance(given, AnyType) or place == given:
         return True
     match place, given:
@@ -166,7 +168,7 @@ def fits(place: Type, given: Type) -> bool:
 
 
 def join(a: Type, b: Type) -> Type:
-    """The type of what may be either."""
+    """The type of a value that may be of either type."""
     if a == b:
         return a
     if isinstance(a, Number) and isinstance(b, Number):
@@ -182,12 +184,15 @@ def join(a: Type, b: Type) -> Type:
 
 
 def join_all(types: Sequence[Type]) -> Type:
-    """The type of what may be any of them; of an empty list, any type at all."""
+    """The type of a value that may be of any of these types; ANY if there are none."""
     return reduce(join, types) if types else ANY
 
 
 def product(a: Number, b: Number, sign: int) -> Number:
-    """Any product with a bare number is bare, and angles count as bare there."""
+    """The type of a product (``sign`` 1) or quotient (-1).
+
+    Any product with a bare number is bare, and angles count as bare there.
+    """
     bare = (None, ANGLE)
     if a.dimension is None or b.dimension is None:
         return BARE
@@ -218,7 +223,7 @@ _TYPE_OF_CLASS: tuple[tuple[type, Type], ...] = (
 
 
 def type_of(value: Any) -> Type:
-    """The type of a value that is there already."""
+    """The type of a value at run time."""
     for class_, type_ in _TYPE_OF_CLASS:
         if isinstance(value, class_):
             return type_

@@ -53,7 +53,7 @@ def place_of(text: str) -> str:
 
 
 def properties(place: Place) -> dict[str, Any]:
-    """What the schema says of the keys of a place."""
+    """The schema's properties for the keys of a place."""
     defs, fleet = SCHEMA["$defs"], SCHEMA["then"]["properties"]
     top = SCHEMA["else"]["properties"]
     actions = defs["actions"]["anyOf"][0]["properties"]
@@ -100,7 +100,7 @@ def test_the_spec_has_a_field_for_every_key_that_is_read_into_one() -> None:
 UNEXPLAINED = {"transition", "send", "parameter"}
 """Places whose keys an editor completes without their help."""
 ROOT_TYPE = {("type", "mission"), ("type", "graph")}
-"""Of a root's type the schema says what it may be, and no more."""
+"""The schema lists the types of a root without any help."""
 
 
 @pytest.mark.parametrize(("key", "place"), ROWS)

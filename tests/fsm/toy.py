@@ -110,7 +110,7 @@ def graph_of(text: str, vocabulary: Vocabulary = VOCABULARY) -> Graph:
 
 
 def faults_of(text: str) -> list[Fault]:
-    """What is wrong with a mission, warnings included."""
+    """The faults of a mission, warnings included."""
     try:
         return list(graph_of(text).warnings)
     except UserError as error:
@@ -222,7 +222,7 @@ class Run:
         return [_line(what, fields) for what, fields in records]
 
     def logged(self) -> list[str]:
-        """What the `log` actions said since the last call."""
+        """The texts of the `log` actions since the last call."""
         return [line.removeprefix("log ") for line in self.take() if line.startswith("log ")]
 
     def value(self, name: str) -> Any:

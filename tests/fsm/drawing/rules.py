@@ -1,4 +1,4 @@
-"""What every diagram must fulfil, whatever its graph."""
+"""The rules that every diagram must fulfil, whatever its graph."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _heading(box: Box) -> Label:
 
 
 def _touches(segment: Segment, area: Rectangle) -> bool:
-    """Whether an upright or level piece runs through an area, its edge apart."""
+    """Whether a vertical or horizontal piece runs through an area; touching its edge is not."""
     (x1, y1), (x2, y2) = segment
     return (
         min(x1, x2) < area.x + area.width
