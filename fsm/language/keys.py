@@ -57,7 +57,7 @@ FLEET: tuple[Place, ...] = ("fleet",)
 VEHICLE: tuple[Place, ...] = ("vehicle",)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Key:
     """A key of the language. One name may have several rows, in different places."""
 

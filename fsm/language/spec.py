@@ -1,4 +1,7 @@
-"""A mission as written: the structure of its file, with places, names and types not yet known."""
+"""A mission as written: the structure of its file, with places, names and types not yet known.
+
+Specs are compared by identity: two that say the same at different places are not one.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +17,14 @@ ActionKind = Literal["set", "append", "raise", "send", "cancel", "log", "call"]
 StateType = Literal["atomic", "compound", "parallel", "final", "history"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ActionSpec:
     kind: ActionKind
     node: YamlNode
     where: Where
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TransitionSpec:
     """One alternative of a trigger; without targets nothing is left."""
 
@@ -36,7 +39,7 @@ class TransitionSpec:
     description: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TriggerSpec:
     """A trigger (event, outcome, condition or duration) with its alternative transitions."""
 
@@ -45,7 +48,7 @@ class TriggerSpec:
     alternatives: tuple[TransitionSpec, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class DefineSpec:
     name: str
     arguments: tuple[str, ...]
@@ -53,7 +56,7 @@ class DefineSpec:
     where: Where
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Named:
     """A name and its value, which is read later."""
 
@@ -61,7 +64,7 @@ class Named:
     node: YamlNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class StateSpec:
     name: str
     where: Where
@@ -95,7 +98,7 @@ class StateSpec:
             yield from child.walk()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class MissionSpec:
     """A whole file, or a graph kept inside one."""
 

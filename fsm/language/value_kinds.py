@@ -33,7 +33,7 @@ Reader = Literal[
 ]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ValueKind:
     """A kind of value: its reader and its JSON Schema."""
 
