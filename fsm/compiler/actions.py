@@ -11,7 +11,7 @@ from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, collecting, read_value
 from fsm.expressions.scope import Binding
 from fsm.host import Function
-from fsm.language.keys import EVENT_NAME, SMALL_NAME
+from fsm.language.keys import AT, EVENT_NAME, SMALL_NAME
 from fsm.language.spec import ActionKind, ActionSpec
 from fsm.values.functions import as_text, bounded
 from fsm.values.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
@@ -20,7 +20,6 @@ from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, YamlNode, kind
 from vencejo.units import TIME
 
-_SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
 _NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
@@ -193,8 +192,8 @@ def _send(spec: ActionSpec, environment: Environment) -> Run:
     context = environment.context
     node = _map(spec.node, "send")
     for key, _ in node:
-        if key.text not in _SEND_KEYS:
-            hint = nearest(key.text, _SEND_KEYS)
+        if key.text not in AT["send"]:
+            hint = nearest(key.text, AT["send"])
             raise UserError("unknown-key", f"`send` has no '{key.text}'", key.where, hint)
     name = _event_name(node.get("event"), node.where)
     to = _receiver(node.get("to"), context)

@@ -12,13 +12,12 @@ from fsm.expressions.literals import Context, read_value
 from fsm.expressions.scope import Scope
 from fsm.faults import Faults
 from fsm.host import Parameter
+from fsm.language.keys import AT
 from fsm.language.spec import Named
 from fsm.values.types import ANY, NAMED, TEXT, ListOf, Number, Text, Type
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, Sequence, YamlNode, read_text
-
-PARAMETER_KEYS = frozenset({"type", "default", "min", "max", "choices", "help"})
 
 
 def parse_parameters(graph: Graph, given: Mapping[str, str]) -> dict[str, Any]:
@@ -73,8 +72,8 @@ def read_parameter(named: Named, context: Context, faults: Faults) -> Parameter:
         compiled = constant_value(node, ANY, context)
         return Parameter(name, widened(compiled.type), compiled.value())
     for key, _ in node:
-        if key.text not in PARAMETER_KEYS:
-            hint = nearest(key.text, PARAMETER_KEYS)
+        if key.text not in AT["parameter"]:
+            hint = nearest(key.text, AT["parameter"])
             faults.fail("unknown-key", f"a parameter has no '{key.text}'", key.where, hint)
     declared, default, help_ = node.get("type"), node.get("default"), node.get("help")
     type_: Type = ANY

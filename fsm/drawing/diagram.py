@@ -1,4 +1,4 @@
-"""A diagram of a graph: boxes and lines in pixels, y downwards, nothing left to be decided."""
+"""A diagram of a graph with all coordinates: boxes and lines in pixels, y downwards."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ XY = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A state."""
+    """The box of a state."""
 
     path: str
     kind: StateType
@@ -35,7 +35,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """What stands beside a line."""
+    """The text beside a line."""
 
     x: float
     y: float
@@ -46,7 +46,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """The transitions from one state to another, or where a state begins.
+    """The transitions from one state to another, or the line to an initial state.
 
     ``points`` go from the source's border, or from the initial dot, to the target's border.
     """
@@ -56,13 +56,13 @@ class Line:
     points: tuple[XY, ...]
     label: Label | None
     dot: bool
-    """Whether it begins at a dot: where a state begins."""
+    """Whether it is the line of an initial state, which begins at a dot."""
     title: str
 
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """Everything there is to draw. Outer boxes come before those inside."""
+    """All boxes and lines of a graph; outer boxes come before those inside them."""
 
     name: str
     description: str
@@ -71,4 +71,4 @@ class Diagram:
     boxes: tuple[Box, ...]
     lines: tuple[Line, ...]
     separators: tuple[tuple[XY, XY], ...]
-    """Between the regions of parallel states."""
+    """The lines between the regions of parallel states."""

@@ -1,13 +1,14 @@
-"""What a diagram of a graph says: states and transitions in words, in full and shortened."""
+"""The texts of a diagram: states, transitions and actions, in full and shortened."""
 
 from __future__ import annotations
 
 from fsm.chart.executable import Action
 from fsm.chart.graph import Edge, Node
+from fsm.language.keys import AT
 from vencejo import nodes
 
 SHORT = 34
-"""Letters that a line of a diagram has at most."""
+"""The most letters in one line of a diagram."""
 
 
 def shortened(text: str, limit: int = SHORT) -> str:
@@ -47,18 +48,28 @@ def action_word(action: Action) -> str:
             return action.kind
 
 
+def blocks(node: Node) -> tuple[tuple[str, tuple[Action, ...]], ...]:
+    """The action blocks of a state with the words for them, in the order in which they run."""
+    key = AT["state"]
+    return (
+        (key["entry"].label, node.entry),
+        (key["throughout"].label, node.throughout),
+        (key["exit"].label, node.exit_actions),
+    )
+
+
+def doing(node: Node) -> str:
+    """The behaviour that runs while a state is active; empty where there is none."""
+    return f"{AT['state']['do'].label} {node.invocation.behavior.name}" if node.invocation else ""
+
+
 def cause(edge: Edge) -> str:
-    """What a transition waits for."""
-    match edge.kind:
-        case "when":
-            lasting = f" for {edge.hold.source}" if edge.hold else ""
-            return f"when {edge.trigger}{lasting}"
-        case "after":
-            return f"after {edge.trigger}"
-        case "always":
-            return "" if edge.guard else "always"
-        case _:
-            return edge.trigger
+    """The event, outcome, condition or duration of a transition, after the word of its key."""
+    if edge.kind == "always" and edge.guard:
+        return ""
+    trigger = "" if edge.kind == "always" else edge.trigger
+    hold = f"{AT['transition']['for'].label} {edge.hold.source}" if edge.hold else ""
+    return " ".join(part for part in (AT["state"][edge.kind].label, trigger, hold) if part)
 
 
 def edge_text(edge: Edge) -> str:
@@ -82,7 +93,10 @@ def edge_label(edge: Edge) -> str:
 
 
 def edges_label(edges: tuple[Edge, ...]) -> tuple[str, ...]:
-    """Transitions that go the same way: plain ones share a line, the others have one each."""
+    """The label of transitions with the same source and target, as lines of text.
+
+    Transitions without guard, actions and name share a line, the others have one each.
+    """
     lines: list[str] = []
     plain = False
     for edge in edges:
@@ -97,33 +111,27 @@ def edges_label(edges: tuple[Edge, ...]) -> tuple[str, ...]:
 
 
 def node_lines(node: Node) -> tuple[str, ...]:
-    """What stands in a state besides its name and what leaves it."""
-    lines = []
-    if node.invocation:
-        lines.append(f"do {node.invocation.behavior.name}")
-    blocks = (("entry", node.entry), ("throughout", node.throughout), ("exit", node.exit_actions))
-    for word, actions in blocks:
+    """The lines in the box of a state: behaviour, actions, outcome and internal transitions."""
+    lines = [doing(node)] if node.invocation else []
+    for word, actions in blocks(node):
         if actions:
             lines.append(shortened(f"{word} / " + ", ".join(map(action_word, actions))))
     if node.type == "final" and node.outcome != "done":
-        lines.append(f"outcome {node.outcome}")
+        lines.append(f"{AT['final']['outcome'].label} {node.outcome}")
     lines.extend(edge_label(edge) for edge in node.edges() if stays(edge))
     return tuple(lines)
 
 
 def stays(edge: Edge) -> bool:
-    """Whether a transition is told inside its state: it leaves nothing, or there is no outside."""
+    """Whether a transition stands in the box of its state: it leaves no state, or is the root's."""
     root = edge.node.parent is None
     return not edge.targets or (root and edge.targets == (edge.node,))
 
 
 def node_title(node: Node) -> str:
-    """All about a state, for those who point at it."""
-    lines = [node.path or node.local_name, node.description]
-    if node.invocation:
-        lines.append(f"do {node.invocation.behavior.name}")
-    blocks = (("entry", node.entry), ("throughout", node.throughout), ("exit", node.exit_actions))
-    for word, actions in blocks:
+    """The full text of a state, which viewers show where the pointer is."""
+    lines = [node.path or node.local_name, node.description, doing(node)]
+    for word, actions in blocks(node):
         lines.extend(f"{word}: {action_text(action)}" for action in actions)
     lines.extend(edge_text(edge) for edge in node.edges() if stays(edge))
     return "\n".join(line for line in lines if line)

@@ -1,4 +1,4 @@
-"""A diagram of a graph: every state laid out from the inside out, then put in its place."""
+"""Draws the diagram of a graph: lays out every state, inner ones first, then joins them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def draw(graph: Graph) -> Diagram:
 
 
 class _Assembly:
-    """Puts what is known of each state by itself into one diagram."""
+    """Joins the layouts of the states into one diagram."""
 
     def __init__(self, graph: Graph, insides: dict[Node, Inside]) -> None:
         self.graph = graph
@@ -79,7 +79,7 @@ class _Assembly:
             start = inside.items[leg.source] if leg.source else inside.starts[leg.out]
             dx, dy = self.origins[leg.inside]
             points.extend((x + dx, y + dy) for x, y in inside.follow(start, leg.out, leg.key))
-        told = "\n".join(edge_text(edge) or "always" for edge in wire.edges)
+        told = "\n".join(edge_text(edge) for edge in wire.edges)
         return Line(
             wire.source.path,
             wire.target.path,

@@ -1,4 +1,4 @@
-"""A diagram as SVG: no script, no font of its own, light and dark."""
+"""Writes a diagram as SVG, without scripts or fonts of its own, for light and dark pages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
 Piece = tuple[str, XY, XY]
-"""A straight piece of a line, with what the line leads to."""
+"""A straight piece of a line: the path of the line's target, and the two ends."""
 STYLE = f"""\
 text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1f2933; }}
 .name {{ font-size: {NAME_SIZE:g}px; font-weight: bold; }}
@@ -117,7 +117,7 @@ def _line(line: Line, drawn: set[Piece]) -> Iterator[str]:
 
 
 def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
-    """A line up to where another to the same target goes on for both, and is drawn already."""
+    """The part of a line up to where it joins another, drawn already, to the same target."""
     for index, (one, two) in enumerate(pairwise(points)):
         if (target, one, two) in drawn:
             # A little of that piece as well: what is drawn twice looks thicker.
@@ -127,7 +127,7 @@ def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
 
 
 def _escape(text: str) -> str:
-    """A text for XML; what cannot stand there at all becomes a sign for that."""
+    """The text escaped for XML; letters that XML does not allow become U+FFFD."""
     return html.escape(ILLEGAL.sub("\ufffd", text))
 
 

@@ -82,7 +82,7 @@ class Robot(Run):
         return self.instance.paths()
 
     def commanded(self) -> dict[str, float]:
-        """What the last behaviour was started with."""
+        """The parameters that the last behaviour was started with."""
         return {n: round(v, 6) for n, v in self.activities[-1].parameters.items() if v is not None}
 
     def path(self, periods: int) -> list[str]:

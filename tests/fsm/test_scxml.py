@@ -41,7 +41,7 @@ def document_run(body: str) -> Run:
 
 
 def faults(body: str) -> list[str]:
-    """What is wrong with a document that begins with HEAD in its first line."""
+    """The faults of a document that begins with HEAD in its first line."""
     with pytest.raises(UserError) as caught:
         load_document(parse_document(f"{HEAD}\n{body}</scxml>", "c.scxml"), "c")
     return [f"{fault.where}: {fault.code}" for fault in caught.value.faults]

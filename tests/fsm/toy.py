@@ -112,7 +112,7 @@ def graph_of(text: str, vocabulary: Vocabulary = VOCABULARY) -> Graph:
 
 
 def faults_of(text: str) -> list[Fault]:
-    """What is wrong with a mission, warnings included."""
+    """The faults of a mission, warnings included."""
     try:
         return list(graph_of(text).warnings)
     except UserError as error:
@@ -224,7 +224,7 @@ class Run:
         return [_line(what, fields) for what, fields in records]
 
     def logged(self) -> list[str]:
-        """What the `log` actions said since the last call."""
+        """The texts of the `log` actions since the last call."""
         return [line.removeprefix("log ") for line in self.take() if line.startswith("log ")]
 
     def value(self, name: str) -> Any:
@@ -242,10 +242,8 @@ def _line(what: str, fields: Mapping[str, Any]) -> str:
             return f"event {owner}{fields['name']}{'' if fields['taken'] else ' unheard'}"
         case "transition":
             return f"{fields['from'] or '/'} -> {', '.join(fields['to'])} by {fields['by']}"
-        case "enter" | "exit" | "stop":
+        case "enter" | "exit" | "start" | "stop":
             return f"{what} {fields['state'] or '/'}"
-        case "start":
-            return f"start {fields['state'] or '/'}"
         case "set" | "append":
             return f"{what} {fields['name']} {fields['value']}"
         case _:

@@ -1,4 +1,4 @@
-"""What every diagram must fulfil, whatever its graph."""
+"""The rules that every diagram must fulfil, whatever its graph."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ def broken_rules(graph: Graph, diagram: Diagram) -> list[str]:
         *_nesting(graph, boxes, diagram),
         *_words(diagram),
         *_labels(graph, boxes, diagram),
-        *_ends(graph, boxes, diagram),
+        *_crossed_labels(diagram),
+        *_missing(graph, diagram),
+        *_ends(boxes, diagram),
         *_crossed_boxes(graph, boxes, diagram),
         *_upon_each_other(diagram),
     ]
@@ -85,6 +87,10 @@ def _labels(graph: Graph, boxes: dict[str, Box], diagram: Diagram) -> Iterator[s
     for one, two in combinations(labels, 2):
         if _overlap(one, two):
             yield f"{one.lines} overlaps {two.lines}"
+
+
+def _crossed_labels(diagram: Diagram) -> Iterator[str]:
+    labels = [line.label for line in diagram.lines if line.label]
     for line in diagram.lines:
         for label in labels:
             if any(_touches(segment, label) for segment in pairwise(line.points)):
@@ -102,7 +108,7 @@ def _heading(box: Box) -> Label:
 
 
 def _touches(segment: Segment, area: Rectangle) -> bool:
-    """Whether an upright or level piece runs through an area, its edge apart."""
+    """Whether a vertical or horizontal piece runs through an area; touching its edge is not."""
     (x1, y1), (x2, y2) = segment
     return (
         min(x1, x2) < area.x + area.width
@@ -112,14 +118,16 @@ def _touches(segment: Segment, area: Rectangle) -> bool:
     )
 
 
-def _ends(graph: Graph, boxes: dict[str, Box], diagram: Diagram) -> Iterator[str]:
+def _missing(graph: Graph, diagram: Diagram) -> Iterator[str]:
     drawn = {(line.source, line.target) for line in diagram.lines if line.label}
     for node in graph.nodes:
         for edge in node.edges():
-            if not stays(edge):
-                for target in edge.targets:
-                    if (node.path, target.path) not in drawn:
-                        yield f"{node.path} -> {target.path} is missing"
+            for target in () if stays(edge) else edge.targets:
+                if (node.path, target.path) not in drawn:
+                    yield f"{node.path} -> {target.path} is missing"
+
+
+def _ends(boxes: dict[str, Box], diagram: Diagram) -> Iterator[str]:
     for line in diagram.lines:
         name = f"{line.source} -> {line.target}"
         if not line.dot and not _on_border(line.points[0], boxes[line.source]):
