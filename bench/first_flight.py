@@ -25,17 +25,17 @@ from time import perf_counter
 from rich.console import Console
 
 from bench.machine import machine
-from cli import missions
-from cli.flight import Plan, Watcher, fly
-from cli.pace import Pace
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from cli.view import LiveView
 from fsm import parse_parameters
 from hal import PERIOD
 from hal.sim.bullet import Bullet
 from hal.sim.physics import GRAVITY
 from hal.sim.vehicle import STEPS
+from runner import missions
+from runner.loop import Plan, Watcher, fly
+from runner.pace import Pace
+from runner.preparation import prepare
+from runner.recorder import Recorder
 
 GOAL = 150.0
 RUNS = 15

@@ -17,13 +17,13 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 from bench.machine import machine
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from fsm import parse_parameters
 from hal.sim.bullet import Bullet
 from hal.sim.skyline import Skyline
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 from vencejo.seeds import generator
 from worlds import load_world
 

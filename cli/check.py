@@ -10,13 +10,12 @@ from typing import Any
 
 import click
 
-from cli import missions
-from cli.fleet import check_fleet_file
 from cli.options import MissionName
-from cli.prepare import prepare
 from fsm import Graph
 from fsm.language.reader import FLEET
 from hal import backend_capabilities
+from runner import missions
+from runner.preparation import check_fleet_file, prepare
 from vencejo.errors import Fault, UserError
 
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import click
 
-from cli import missions as known
 from cli.look import VIEWS
 from cli.options import MissionName, Place, Word, renderer_option, shadows_option
 from fsm import Behavior, Parameter
 from hal.rendering import show_window
+from runner import missions as known
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 
@@ -43,7 +43,7 @@ def missions(name: str | None, copy: bool, as_json: bool) -> None:
     if copy:
         _copy(found.path)
         return
-    from cli.prepare import prepare
+    from runner.preparation import prepare
 
     graph = prepare(found).graph
     if as_json:
@@ -290,7 +290,7 @@ def _some(names: list[str]) -> str:
 @click.argument("folder", type=click.Path(path_type=Path))
 def picture(folder: Path) -> None:
     """Draw the picture of the run in FOLDER, also of one that was killed."""
-    from cli.picture import draw
+    from cli.flight_plot import draw
 
     click.echo(draw(folder))
 

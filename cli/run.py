@@ -12,10 +12,6 @@ from typing import Any
 
 import click
 
-from cli import missions
-from cli.appending import as_json as as_json_value
-from cli.camera_file import joined, read_camera_file
-from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
 from cli.options import (
     MissionName,
     Speed,
@@ -25,12 +21,16 @@ from cli.options import (
     renderer_option,
     shadows_option,
 )
-from cli.pace import Pace
-from cli.prepare import prepare
-from cli.recorder import Recorder, new_folder
 from cli.signals import Interrupts
 from fsm import parse_parameters
 from hal import backend_names
+from runner import missions
+from runner.appended_file import as_json as as_json_value
+from runner.camera_file import joined, read_camera_file
+from runner.loop import INTERRUPTED, Plan, Watcher, fly, summarise
+from runner.pace import Pace
+from runner.preparation import prepare
+from runner.recorder import Recorder, new_folder
 from vencejo.errors import UserError
 
 
@@ -201,7 +201,7 @@ def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStac
 
 
 def _draw(folder: Path) -> None:
-    from cli.picture import draw
+    from cli.flight_plot import draw
 
     try:
         draw(folder)

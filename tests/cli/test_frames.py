@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 
 from behaviors import Pilot
-from cli import missions
-from cli.appending import AppendedFile
-from cli.flight import Plan, fly
-from cli.frames import FrameFiles
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal.vehicle import Frame, Intrinsics
+from runner import missions
+from runner.appended_file import AppendedFile
+from runner.frames import FrameFiles
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 from tests.cli.run_cli import run_cli
 from vencejo.errors import UserError
 from vencejo.geometry import Point

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.testing import fly_mission
+from runner.testing import fly_mission
 from tests.cli.run_cli import run_cli
 
 ROOT = Path(__file__).parents[2]

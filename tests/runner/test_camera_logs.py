@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from behaviors import Pilot
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from fsm import parse_parameters
 from fsm.engine.instance import Record
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 
 
 class _Reader:

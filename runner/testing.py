@@ -8,9 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from behaviors import Pilot, drone_vocabulary
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
 from fsm import (
     Graph,
     Vocabulary,
@@ -20,6 +17,9 @@ from fsm import (
     read_mission_text,
 )
 from fsm.engine.instance import Record
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
 from vencejo.geometry import Point, distance
 
 

@@ -6,8 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from cli.appending import AppendedFile, encode, writing
 from hal.vehicle import Frame, Intrinsics
+from runner.appended_file import AppendedFile, encode, writing
 
 FORMAT = "vencejo.frames"
 FORMAT_VERSION = 1

@@ -8,13 +8,14 @@ from pathlib import Path, PurePosixPath
 
 from behaviors import drone_vocabulary, load_all, trusted
 from behaviors.catalog import Own
-from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
+from fsm.fleet import check_fleet, read_fleet
 from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
 from fsm.scxml import Element, import_mission, is_mission, load_document, read_document
-from vencejo.errors import Where
+from runner.missions import Found
+from vencejo.errors import Fault, Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
 
@@ -43,11 +44,11 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     faults = Faults()
     document = read_document(found.path, found.shown_as) if _is_scxml(found) else None
     spec = _spec(found, document, faults)
-    word, where = world_word(spec.world, found.path.parent, world)
+    word, where = _world_word(spec.world, found.path.parent, world)
     place: World | None = None
     with faults.collecting():
         place = find_world(word, where)
-    vocabulary = vocabulary_of(spec, found.path, place, faults, code=code)
+    vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code)
     if document is not None and not is_mission(document):
         graph = load_document(document, spec.name, vocabulary)
         faults.raise_any()
@@ -57,6 +58,30 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     assert place is not None, "a world that is not there is a fault"
     files = (found.path, *_others(spec, found.path))
     return Prepared(found, spec, graph, place, word, files)
+
+
+def check_fleet_file(
+    found: Found, world: str | None = None, *, code: bool = True
+) -> tuple[list[Fault], list[Graph]]:
+    """Every fault of a fleet and of its missions, and the graphs of those that have no error.
+
+    Fleets do not fly yet. Raises UserError when the fleet's own file or its world cannot be read.
+    """
+    fleet, faults = read_fleet(found.path, found.shown_as)
+    place = find_world(*_world_word(fleet.world, found.path.parent, world))
+    graphs: dict[str, Graph] = {}
+    for member in fleet.members:
+        with faults.collecting():
+            found_here = Faults()
+            vocabulary = _vocabulary_of(
+                member.spec, member.path, place, found_here, code=code, peers=fleet.names
+            )
+            graph = compile_mission(member.spec, vocabulary, found_here)
+            graphs[member.name.text] = graph
+            faults.extend((*graph.warnings, *prove(graph)))
+    faults.extend(check_fleet(fleet, graphs))
+    # Two vehicles may fly one mission: its faults are told once.
+    return list(dict.fromkeys(faults)), list(graphs.values())
 
 
 def _is_scxml(found: Found) -> bool:
@@ -73,7 +98,7 @@ def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec
     return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound"))
 
 
-def vocabulary_of(
+def _vocabulary_of(
     spec: MissionSpec,
     path: Path,
     world: World | None,
@@ -117,7 +142,7 @@ def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
     yield from found
 
 
-def world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
+def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
     """The world to fly in, by ``--world`` or as a file in ``folder`` names it."""
     if given is not None:
         return given, Where("--world")

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from behaviors import Pilot
-from cli.appending import AppendedFile, as_json, encode, writing
-from cli.frames import FrameFiles
 from fsm.engine.instance import Record
 from hal.vehicle import Frame, Observation
+from runner.appended_file import AppendedFile, as_json, encode, writing
+from runner.frames import FrameFiles
 from vencejo.errors import UserError, Where
 from vencejo.geometry import roll_pitch_of
 from worlds import World

@@ -13,12 +13,12 @@ from platform import python_version
 from typing import Any, Protocol
 
 from behaviors import MissionFrame, Pilot
-from cli.pace import Pace
-from cli.prepare import Prepared
-from cli.recorder import Recorder, file_hash
 from fsm.engine.instance import Record
 from hal import Options, open_backend
 from hal.vehicle import Observation
+from runner.pace import Pace
+from runner.preparation import Prepared
+from runner.recorder import Recorder, file_hash
 from vencejo.errors import UserError
 from vencejo.geometry import distance
 from vencejo.version import __version__
