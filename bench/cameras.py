@@ -134,7 +134,7 @@ def factor(
         began = process_time()
         flown = fly(plan, record, [_Reader(cameras)] if cameras else [])
         took = process_time() - began
-    assert flown.outcome == "done", flown.reason
+    assert flown.alone.outcome == "done", flown.alone.reason
     return flown.mission_time / took
 
 

@@ -76,7 +76,7 @@ def flights(folder: Path) -> dict[str, float]:
             begin = process_time()
             flown = fly(plan, lambda runs=runs: Recorder(runs))  # type: ignore[misc]
             factors[count].append(flown.mission_time / (process_time() - begin))
-            assert flown.outcome == "done", flown.reason
+            assert flown.alone.outcome == "done", flown.alone.reason
     middle = {count: median(values) for count, values in factors.items()}
     return {
         "no boxes, times real time": middle[0],

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -27,10 +26,11 @@ from hal import backend_names
 from runner import missions
 from runner.appended_file import as_json as as_json_value
 from runner.camera_file import joined, read_camera_file
-from runner.loop import INTERRUPTED, Plan, Watcher, fly, summarise
+from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
+from runner.run_folder import INTERRUPTED, summary_fields
 from vencejo.errors import UserError
 
 
@@ -144,13 +144,13 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    summary = _fly(plan, speed, record, as_json)
-    sys.exit(summary["exit_code"])
+    sys.exit(_fly(plan, speed, record, as_json))
 
 
 def _fly(
     plan: Plan, speed: float | None, new_recorder: Callable[[], Recorder], as_json: bool
-) -> dict[str, Any]:
+) -> int:
+    """Fly, show and record; the exit code."""
     made: list[Recorder] = []
 
     def record() -> Recorder:
@@ -163,23 +163,23 @@ def _fly(
         with ExitStack() as stack:
             stops = stack.enter_context(Interrupts())
             watchers = [] if as_json else [_watcher(plan, speed, stops, stack)]
-            flown = fly(plan, record, watchers, Pace(speed), stops)
+            summary = fly(plan, record, watchers, Pace(speed), stops)
     except KeyboardInterrupt:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
         if made:
             click.echo(f"run folder: {made[0].folder}", err=True)
         sys.exit(INTERRUPTED)
     folder = made[0].folder
-    summary = summarise(plan, flown, folder)
-    made[0].write("summary.json", summary)
+    made[0].write_summary(summary)
     _draw(folder)
+    fields = summary_fields(summary, folder)
     if as_json:
-        click.echo(json.dumps(summary, ensure_ascii=False, default=as_json_value))
+        click.echo(json.dumps(fields, ensure_ascii=False, default=as_json_value))
     else:
         from cli.view import show_summary
 
-        show_summary(summary, sys.stdout)
-    return summary
+        show_summary(fields, sys.stdout)
+    return summary.exit_code
 
 
 def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStack) -> Watcher:

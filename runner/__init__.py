@@ -11,32 +11,39 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from runner.loop import Flown, Plan, Stops, Watcher, fly
+    from runner.loop import Plan, Stops, Watcher, fly
     from runner.pace import Pace
     from runner.preparation import Prepared, prepare
     from runner.recorder import Recorder, new_folder
+    from runner.run_folder import Flown, Header, Run, Sample, Summary, read_run
     from runner.testing import MissionFlight, fly_mission, graph_of
 
 __all__ = [
     "Flown",
+    "Header",
     "MissionFlight",
     "Pace",
     "Plan",
     "Prepared",
     "Recorder",
+    "Run",
+    "Sample",
     "Stops",
+    "Summary",
     "Watcher",
     "fly",
     "fly_mission",
     "graph_of",
     "new_folder",
     "prepare",
+    "read_run",
 ]
 _MODULES = {
-    "loop": ("Flown", "Plan", "Stops", "Watcher", "fly"),
+    "loop": ("Plan", "Stops", "Watcher", "fly"),
     "pace": ("Pace",),
     "preparation": ("Prepared", "prepare"),
     "recorder": ("Recorder", "new_folder"),
+    "run_folder": ("Flown", "Header", "Run", "Sample", "Summary", "read_run"),
     "testing": ("MissionFlight", "fly_mission", "graph_of"),
 }
 

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from platform import python_version
@@ -18,12 +19,11 @@ from hal import Options, open_backend
 from hal.vehicle import Observation
 from runner.pace import Pace
 from runner.preparation import Prepared
-from runner.recorder import Recorder, file_hash
+from runner.recorder import Recorder
+from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
 from vencejo.errors import UserError
 from vencejo.geometry import distance
 from vencejo.version import __version__
-
-SUCCESS, OTHER_OUTCOME, WRONG, VEHICLE_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 
 @dataclass(frozen=True)
@@ -70,27 +70,6 @@ class Tally:
 
 
 @dataclass(frozen=True)
-class Flown:
-    """How a flight ended."""
-
-    outcome: str
-    reason: str
-    output: Mapping[str, Any]
-    mission_time: float
-    wall_time: float
-    engine: str
-    tally: Tally
-    battery: float
-    interrupted: bool
-
-    @property
-    def exit_code(self) -> int:
-        if self.interrupted:
-            return INTERRUPTED
-        return SUCCESS if self.outcome == "done" else OTHER_OUTCOME
-
-
-@dataclass(frozen=True)
 class _Never:
     count: int = 0
 
@@ -101,7 +80,7 @@ def fly(
     watchers: Sequence[Watcher] = (),
     pace: Pace | None = None,
     stops: Stops | None = None,
-) -> Flown:
+) -> Summary:
     """Fly a plan to its end.
 
     ``record`` makes the recorder once nothing can keep the flight from starting any more.
@@ -115,10 +94,11 @@ def fly(
         (vehicle,) = session.vehicles.values()
         frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
         pilot = Pilot(graph, vehicle, plan.parameters, frame=frame, seed=plan.seed)
+        header = _header(plan, session.engine)
         recorder = record() if record else None
         if recorder:
             stack.callback(recorder.close)
-            recorder.header(_facts(plan, session.engine))
+            recorder.begin(header)
             recorder.follow(pilot)
         tally, answered, start = Tally(), 0, vehicle.observe().time
         unwritten: UserError | None = None
@@ -144,17 +124,17 @@ def fly(
             raise unwritten
         if recorder:
             recorder.close()
-        return Flown(
+        flown = Flown(
             outcome=pilot.outcome or "failed",
             reason=pilot.reason,
             output=pilot.instance.output,
-            mission_time=round(pilot.flight.now - start, 6),
-            wall_time=time.perf_counter() - began,
-            engine=session.engine,
-            tally=tally,
+            mission_time=pilot.flight.now - start,
+            distance=tally.distance,
+            max_altitude=tally.max_altitude,
             battery=pilot.flight.observation.battery,
-            interrupted=answered > 0,
         )
+        wall_time = time.perf_counter() - began
+        return Summary(header, {vehicle.name: flown}, wall_time, answered > 0, versions())
 
 
 def _asked_more(stops: Stops, answered: int) -> bool:
@@ -166,61 +146,37 @@ def _drain(pilot: Pilot) -> list[Record]:
     return records
 
 
-def _facts(plan: Plan, engine: str) -> dict[str, Any]:
-    """The first line of the log: everything that decides how this run goes."""
+def _header(plan: Plan, engine: str) -> Header:
     prepared = plan.prepared
-    return {
-        "mission": prepared.graph.name,
-        "mission_sha256": file_hash(prepared.found.path),
-        **_included(prepared),
-        "world": prepared.world.name,
-        "world_sha256": prepared.world.sha256,
-        "seed": plan.seed,
-        "parameters": dict(plan.parameters),
-        "backend": plan.backend,
-        "engine": engine,
-        "vencejo": __version__,
-    }
-
-
-def _included(prepared: Prepared) -> dict[str, Any]:
-    """Hashes of what else a person wrote, by names from the mission's folder."""
     first, *others = prepared.files
-    named = {file.relative_to(first.parent).as_posix(): file_hash(file) for file in others}
-    return {"files_sha256": named} if named else {}
+    mission = MissionFacts(
+        name=prepared.graph.name,
+        sha256=_file_hash(first),
+        parameters=plan.parameters,
+        files={file.relative_to(first.parent).as_posix(): _file_hash(file) for file in others},
+    )
+    return Header(
+        missions={ALONE: mission},
+        world=prepared.world.name,
+        world_sha256=prepared.world.sha256,
+        seed=plan.seed,
+        backend=plan.backend,
+        engine=engine,
+        vencejo=__version__,
+    )
 
 
-def versions() -> dict[str, str]:
-    """What a run's result may depend on."""
+def _file_hash(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    return sha256(path.read_bytes()).hexdigest()
+
+
+@cache
+def versions() -> Mapping[str, str]:
+    """Versions of the packages that a run's result may depend on, and of Python."""
     packages = ("transitions", "numpy", "opencv-python-headless", "pymavlink")
     return {
         "vencejo": __version__,
         "python": python_version(),
         **{package: version(package) for package in packages},
-    }
-
-
-def summarise(plan: Plan, flown: Flown, folder: Path | None) -> dict[str, Any]:
-    """What `summary.json` holds, and `--json` prints."""
-    wall = flown.wall_time
-    return {
-        "mission": plan.prepared.graph.name,
-        "outcome": flown.outcome,
-        "success": flown.outcome == "done" and not flown.interrupted,
-        "reason": flown.reason or None,
-        "output": dict(flown.output),
-        "exit_code": flown.exit_code,
-        "mission_time_s": flown.mission_time,
-        "wall_time_s": round(wall, 4),
-        "realtime_factor": round(flown.mission_time / wall, 1) if wall > 0 else None,
-        "distance_m": round(flown.tally.distance, 2),
-        "max_altitude_m": round(flown.tally.max_altitude, 2),
-        "battery_left": round(flown.battery, 4),
-        "world": plan.prepared.world.name,
-        "parameters": dict(plan.parameters),
-        "seed": plan.seed,
-        "backend": plan.backend,
-        "engine": flown.engine,
-        "versions": versions(),
-        "run_folder": str(folder) if folder else None,
     }

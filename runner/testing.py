@@ -103,7 +103,7 @@ def fly_mission(
     values = parse_parameters(prepared.graph, parameters or {})
     flight = MissionFlight()
     plan = Plan(prepared, values, seed=seed, settings={"noise": noise})
-    flown = fly(plan, watchers=[_Watch(flight, post or {})])
+    flown = fly(plan, watchers=[_Watch(flight, post or {})]).alone
     flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
-    flight.time = flown.mission_time
+    flight.time = round(flown.mission_time, 6)
     return flight

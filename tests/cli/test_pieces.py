@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
-from cli.flight_plot import draw, read_track
+from cli.flight_plot import draw, stretches
 from cli.signals import Interrupts
 from cli.sketch import Sketch
 from cli.view import clock, note
+from runner import read_run
 from tests.cli.run_cli import run_cli
 from vencejo import UserError
 
@@ -83,15 +83,21 @@ def test_a_killed_run_can_be_drawn(hop: str, undrawn: None) -> None:
 def test_states_are_stretches_of_the_track(hop: str, undrawn: None) -> None:
     run_cli("run", hop)
     (folder,) = Path("runs").iterdir()
-    header, stretches = read_track(folder)
-    assert header["mission"] == "hop"
-    assert [stretch.state for stretch in stretches] == ["takeoff", "land"]
+    run = read_run(folder)
+    ((takeoff, land),) = stretches(run)
+    assert (takeoff.state, land.state) == ("takeoff", "land")
+    # The second begins where the first ends, so that the path has no gap.
+    assert land.samples[0] == takeoff.samples[-1]
+    flown = [sample for sample in run.telemetry["drone"] if sample.states]
+    assert [*takeoff.samples, *land.samples[1:]] == flown
 
 
-def test_what_is_no_run_cannot_be_drawn(tmp_path: Path) -> None:
+def test_what_is_no_run_cannot_be_drawn(hop: str, undrawn: None, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="is no run folder"):
         draw(tmp_path)
-    (tmp_path / "events.jsonl").write_text(json.dumps({"mission": "x"}) + "\n")
-    (tmp_path / "telemetry.csv").write_text("t,vehicle,x,y,z,state\n")
+    run_cli("run", hop)
+    (folder,) = Path("runs").iterdir()
+    columns, _, _ = (folder / "telemetry.csv").read_text().partition("\n")
+    (folder / "telemetry.csv").write_text(columns + "\n")
     with pytest.raises(UserError, match="no telemetry"):
-        draw(tmp_path)
+        draw(folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import shlex
 from pathlib import Path
 
@@ -45,6 +46,8 @@ def _run_commands(text: str) -> None:
         if command and command[0] == "drone-cli":
             result = run_cli(*command[1:])
             assert result.code == 0, f"{line}\n{result.err}"
+        elif command and command[0] == "python" and Path(command[-1]).exists():
+            runpy.run_path(command[-1])
 
 
 def test_every_link_leads_somewhere() -> None:

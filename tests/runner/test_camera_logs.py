@@ -35,7 +35,7 @@ def log(folder: Path, read: bool, **settings: object) -> bytes:
     reader = _Reader()
     folder.mkdir()
     flown = fly(plan, lambda: Recorder(folder), [reader] if read else [])
-    assert flown.outcome == "done" and (reader.frames > 20) == read
+    assert flown.alone.outcome == "done" and (reader.frames > 20) == read
     return (folder / "events.jsonl").read_bytes()
 
 
