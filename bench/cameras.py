@@ -128,7 +128,7 @@ def factor(
     ``frames``: leave a run folder, with the frames or without them.
     """
     prepared = prepare(missions.find("first_flight"), str(world))
-    plan = Plan(prepared, parse_parameters(prepared.graph, {}), settings=settings)
+    plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}), settings=settings)
     with TemporaryDirectory() as folder:
         record = None if frames is None else lambda: Recorder(Path(folder), frames=frames)
         began = process_time()

@@ -36,6 +36,7 @@ from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder
+from runner.run_folder import ALONE
 
 GOAL = 150.0
 RUNS = 15
@@ -43,7 +44,7 @@ RUNS = 15
 
 def plan(noise: float) -> Plan:
     prepared = prepare(missions.find("first_flight"))
-    return Plan(prepared, parse_parameters(prepared.graph, {}), settings={"noise": noise})
+    return Plan.alone(prepared, parse_parameters(prepared.graph, {}), settings={"noise": noise})
 
 
 def realtime_factors() -> tuple[list[float], list[float]]:
@@ -81,7 +82,7 @@ def digest(factor: float | None, watched: bool) -> str:
         watchers: Sequence[Watcher] = ()
         if watched:
             console = Console(file=io.StringIO(), force_terminal=True, width=90)
-            watchers = [LiveView(ordered.prepared.graph, console, factor)]
+            watchers = [LiveView(ordered.assignments[ALONE].prepared.graph, console, factor)]
         fly(ordered, lambda: Recorder(Path(folder)), watchers, Pace(factor))
         return sha256((Path(folder) / "events.jsonl").read_bytes()).hexdigest()
 

@@ -67,7 +67,7 @@ def flights(folder: Path) -> dict[str, float]:
         file = folder / f"boxes_{count}.yaml"
         file.write_text(boxes(count))
         prepared = prepare(missions.find(str(folder / "lanes.yaml")), str(file))
-        plans[count] = Plan(prepared, parse_parameters(prepared.graph, {}))
+        plans[count] = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     factors: dict[int, list[float]] = {count: [] for count in plans}
     for number in range(ROUNDS):
         for count, plan in plans.items():

@@ -134,7 +134,7 @@ def run(
             "renderer": renderer,
             "shadows": shadows,
         }
-    plan = Plan(prepared, values, backend, seed, settings)
+    plan = Plan.alone(prepared, values, backend=backend, seed=seed, settings=settings)
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
@@ -155,8 +155,10 @@ def _fly(
 
     def record() -> Recorder:
         made.append(new_recorder())
-        made[0].keep(plan.prepared.files, plan.prepared.found.path.parent)
-        made[0].keep_world(plan.prepared.world)
+        for assignment in plan.assignments.values():
+            prepared = assignment.prepared
+            made[0].keep(prepared.files, prepared.found.path.parent)
+        made[0].keep_world(plan.world)
         return made[0]
 
     try:
@@ -197,7 +199,8 @@ def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStac
 
     if not console.is_terminal:
         return PlainView(sys.stdout, closed)
-    return stack.enter_context(LiveView(plan.prepared.graph, console, speed, closed))
+    (assignment,) = plan.assignments.values()
+    return stack.enter_context(LiveView(assignment.prepared.graph, console, speed, closed))
 
 
 def _draw(folder: Path) -> None:

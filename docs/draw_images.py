@@ -67,7 +67,7 @@ def main() -> None:
     draw_graphs()
     draw_worlds()
     prepared = prepare(missions.find("first_flight"))
-    plan = Plan(prepared, parse_parameters(prepared.graph, {}))
+    plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=90, file=io.StringIO(), force_terminal=True)
     snapshot = _Snapshot(LiveView(prepared.graph, console, SPEED), console)
     with TemporaryDirectory() as folder:

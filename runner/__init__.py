@@ -1,7 +1,7 @@
 """Flying prepared missions, without a command line.
 
 >>> prepared = prepare(missions.find("first_flight"))
->>> flown = fly(Plan(prepared, parse_parameters(prepared.graph, {"side": "8 m"})))
+>>> flown = fly(Plan.alone(prepared, parse_parameters(prepared.graph, {"side": "8 m"})))
 
 Public names are imported when they are used: every pytest of the environment imports this package
 for its plugin, and must not wait for it.
@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from runner.loop import Plan, Stops, Watcher, fly
+    from runner.loop import Assignment, Plan, Stops, Watcher, fly
     from runner.pace import Pace
     from runner.preparation import Prepared, prepare
     from runner.recorder import Recorder, new_folder
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from runner.testing import MissionFlight, fly_mission, graph_of
 
 __all__ = [
+    "Assignment",
     "Flown",
     "Header",
     "MissionFlight",
@@ -39,7 +40,7 @@ __all__ = [
     "read_run",
 ]
 _MODULES = {
-    "loop": ("Plan", "Stops", "Watcher", "fly"),
+    "loop": ("Assignment", "Plan", "Stops", "Watcher", "fly"),
     "pace": ("Pace",),
     "preparation": ("Prepared", "prepare"),
     "recorder": ("Recorder", "new_folder"),

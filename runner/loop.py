@@ -1,9 +1,9 @@
-"""Flies a prepared mission: backend, pilot, recorder and whoever watches, in one loop."""
+"""The flying loop: backend, pilots, recorder and whoever watches, one mission period at a time."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -11,34 +11,78 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from platform import python_version
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from behaviors import MissionFrame, Pilot
 from fsm.engine.instance import Record
-from hal import Options, open_backend
-from hal.vehicle import Observation
+from hal import Options, Session, open_backend
 from runner.pace import Pace
 from runner.preparation import Prepared
 from runner.recorder import Recorder
 from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
 from vencejo.errors import UserError
-from vencejo.geometry import distance
+from vencejo.geometry import Point, distance
 from vencejo.version import __version__
+from worlds import World
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """What one vehicle is to fly."""
+
+    prepared: Prepared
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    """Values of the mission's parameters, as ``fsm.parse_parameters`` gives them."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A flight as ordered."""
+    """A run as ordered: which vehicles fly what, all in one world.
 
-    prepared: Prepared
-    parameters: Mapping[str, Any]
+    Raises ValueError for no vehicle, and for missions that were prepared for different worlds.
+    """
+
+    assignments: Mapping[str, Assignment]
+    """By the vehicle's name, in the order in which the vehicles stand and take their turns."""
     backend: str = "sim"
     seed: int = 0
     settings: Mapping[str, object] = field(default_factory=dict)
+    """What only that backend knows."""
+
+    def __post_init__(self) -> None:
+        worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}
+        if len(worlds) != 1:
+            raise ValueError("a plan needs at least one vehicle, and all missions in one world")
+
+    @classmethod
+    def alone(
+        cls,
+        prepared: Prepared,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        backend: str = "sim",
+        seed: int = 0,
+        settings: Mapping[str, object] | None = None,
+    ) -> Self:
+        """A plan for a single vehicle."""
+        return cls({ALONE: Assignment(prepared, parameters or {})}, backend, seed, settings or {})
+
+    @property
+    def world(self) -> World:
+        return self._any.world
+
+    @property
+    def world_word(self) -> str:
+        """How a backend finds that world: a name or a path."""
+        return self._any.world_word
+
+    @property
+    def _any(self) -> Prepared:
+        return next(iter(self.assignments.values())).prepared
 
 
 class Watcher(Protocol):
-    """Sees every period of a flight.
+    """Sees every period of every vehicle, in the order of the plan.
 
     Looks through ``pilot.vehicle``: what is read through ``pilot.flight`` counts as read by the
     mission and is recorded.
@@ -55,18 +99,72 @@ class Stops(Protocol):
 
 
 @dataclass
-class Tally:
-    """Figures of a flight that grow with it."""
+class _Flight:
+    """One vehicle of a run, with the figures that grow with its flight."""
 
+    pilot: Pilot
+    start: float
+    """When the run began, seconds of the vehicle's clock."""
     distance: float = 0.0
     max_altitude: float = 0.0
-    _last: Observation | None = None
+    _last: Point | None = None
 
-    def add(self, seen: Observation, home_z: float) -> None:
+    def tally(self) -> None:
+        """Count the period that the pilot has just flown."""
+        flight = self.pilot.flight
+        position = flight.world.position
         if self._last is not None:
-            self.distance += distance(self._last.position, seen.position)
-        self.max_altitude = max(self.max_altitude, seen.position.z - home_z)
-        self._last = seen
+            self.distance += distance(self._last, position)
+        self.max_altitude = max(self.max_altitude, position.z - flight.frame.origin.z)
+        self._last = position
+
+    def flown(self) -> Flown:
+        pilot = self.pilot
+        return Flown(
+            outcome=pilot.outcome or "failed",
+            reason=pilot.reason,
+            output=pilot.instance.output,
+            mission_time=pilot.flight.now - self.start,
+            distance=self.distance,
+            max_altitude=self.max_altitude,
+            battery=pilot.flight.observation.battery,
+        )
+
+
+class _Log:
+    """The recorder of a run, if it has one, as long as it can write."""
+
+    def __init__(self, recorder: Recorder | None) -> None:
+        self._recorder = recorder
+        self.failure: UserError | None = None
+        """What keeps it from being written."""
+
+    def begin(self, header: Header, flights: Iterable[_Flight]) -> None:
+        if self._recorder is not None:
+            self._recorder.begin(header)
+            for flight in flights:
+                self._recorder.follow(flight.pilot)
+
+    def take(self, pilot: Pilot) -> list[Record]:
+        """The records of a pilot's period, written; none where they cannot be."""
+        if self._recorder is None or self.failure is not None:
+            records, pilot.instance.records = pilot.instance.records, []
+            return records
+        try:
+            return self._recorder.take(pilot)
+        except UserError as error:
+            self.failure = error
+            return []
+
+    def end(self) -> None:
+        """Make sure that everything is on disk. Raises UserError when something is not."""
+        if self.failure is not None:
+            raise self.failure
+        self.close()
+
+    def close(self) -> None:
+        if self._recorder is not None:
+            self._recorder.close()
 
 
 @dataclass(frozen=True)
@@ -81,88 +179,90 @@ def fly(
     pace: Pace | None = None,
     stops: Stops | None = None,
 ) -> Summary:
-    """Fly a plan to its end.
+    """Fly a plan to its end: all vehicles in lockstep, each until its mission has ended and it is
+    down.
 
     ``record`` makes the recorder once nothing can keep the flight from starting any more.
-    Raises VehicleError when the backend fails, UserError when the vehicle cannot fly this, or,
-    after it has landed, when the flight could not be recorded.
+    ``stops`` asks every mission to stop, then lands every vehicle.
+    Raises VehicleError when the backend or a vehicle fails, UserError when a vehicle cannot fly
+    this, or, after all have landed, when the flight could not be recorded.
     """
     pace, stops = pace or Pace(None), stops or _Never()
-    graph = plan.prepared.graph
-    options = Options(world=plan.prepared.world_word, seed=plan.seed, settings=plan.settings)
+    options = Options(
+        vehicles=tuple(plan.assignments),
+        world=plan.world_word,
+        seed=plan.seed,
+        settings=plan.settings,
+    )
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
-        (vehicle,) = session.vehicles.values()
-        frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
-        pilot = Pilot(graph, vehicle, plan.parameters, frame=frame, seed=plan.seed)
+        flights = [_flight(plan, session, name) for name in session.vehicles]
         header = _header(plan, session.engine)
-        recorder = record() if record else None
-        if recorder:
-            stack.callback(recorder.close)
-            recorder.begin(header)
-            recorder.follow(pilot)
-        tally, answered, start = Tally(), 0, vehicle.observe().time
-        unwritten: UserError | None = None
+        log, answered, aloft = _Log(record() if record else None), 0, flights
+        stack.callback(log.close)
+        log.begin(header, flights)
         began = time.perf_counter()
-        while not pilot.finished:
+        while aloft:
             session.wait()
             if stops.count > answered:
                 answered = stops.count
-                pilot.abort() if answered == 1 else pilot.land_now()
-            pilot.period()
-            try:
-                records = recorder.take(pilot) if recorder else _drain(pilot)
-            except UserError as error:
+                _stop(aloft, at_once=answered > 1)
+            for flight in aloft:
+                flight.pilot.period()
+            for flight in aloft:
+                records = log.take(flight.pilot)
+                flight.tally()
+                for watcher in watchers:
+                    watcher.show(flight.pilot, records)
+            if log.failure is not None:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
-                unwritten, recorder, records = error, None, []
-                pilot.land_now()
-            tally.add(pilot.flight.world, frame.origin.z)
-            for watcher in watchers:
-                watcher.show(pilot, records)
+                _stop(aloft, at_once=True)
             if pace.factor is not None:
-                pace.wait(pilot.flight.now, partial(_asked_more, stops, answered))
-        if unwritten is not None:
-            raise unwritten
-        if recorder:
-            recorder.close()
-        flown = Flown(
-            outcome=pilot.outcome or "failed",
-            reason=pilot.reason,
-            output=pilot.instance.output,
-            mission_time=pilot.flight.now - start,
-            distance=tally.distance,
-            max_altitude=tally.max_altitude,
-            battery=pilot.flight.observation.battery,
-        )
+                pace.wait(aloft[0].pilot.flight.now, partial(_asked_more, stops, answered))
+            aloft = [flight for flight in aloft if not flight.pilot.finished]
+        log.end()
         wall_time = time.perf_counter() - began
-        return Summary(header, {vehicle.name: flown}, wall_time, answered > 0, versions())
+        flown = {flight.pilot.vehicle.name: flight.flown() for flight in flights}
+        return Summary(header, flown, wall_time, answered > 0, versions())
+
+
+def _flight(plan: Plan, session: Session, name: str) -> _Flight:
+    """A vehicle with its mission, about to begin."""
+    vehicle, assignment = session.vehicles[name], plan.assignments[name]
+    seen = vehicle.observe()
+    frame = MissionFrame(seen.position, session.places, session.geographic)
+    graph, parameters = assignment.prepared.graph, assignment.parameters
+    return _Flight(Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed), seen.time)
+
+
+def _stop(flights: Iterable[_Flight], *, at_once: bool) -> None:
+    """Ask every mission to stop, or land past them."""
+    for flight in flights:
+        flight.pilot.land_now() if at_once else flight.pilot.abort()
 
 
 def _asked_more(stops: Stops, answered: int) -> bool:
     return stops.count > answered
 
 
-def _drain(pilot: Pilot) -> list[Record]:
-    records, pilot.instance.records = pilot.instance.records, []
-    return records
-
-
 def _header(plan: Plan, engine: str) -> Header:
-    prepared = plan.prepared
-    first, *others = prepared.files
-    mission = MissionFacts(
-        name=prepared.graph.name,
-        sha256=_file_hash(first),
-        parameters=plan.parameters,
-        files={file.relative_to(first.parent).as_posix(): _file_hash(file) for file in others},
-    )
     return Header(
-        missions={ALONE: mission},
-        world=prepared.world.name,
-        world_sha256=prepared.world.sha256,
+        missions={name: _facts(flown) for name, flown in plan.assignments.items()},
+        world=plan.world.name,
+        world_sha256=plan.world.sha256,
         seed=plan.seed,
         backend=plan.backend,
         engine=engine,
         vencejo=__version__,
+    )
+
+
+def _facts(assignment: Assignment) -> MissionFacts:
+    first, *others = assignment.prepared.files
+    return MissionFacts(
+        name=assignment.prepared.graph.name,
+        sha256=_file_hash(first),
+        parameters=assignment.parameters,
+        files={file.relative_to(first.parent).as_posix(): _file_hash(file) for file in others},
     )
 
 

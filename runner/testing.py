@@ -102,7 +102,7 @@ def fly_mission(
         watch(prepared.graph)
     values = parse_parameters(prepared.graph, parameters or {})
     flight = MissionFlight()
-    plan = Plan(prepared, values, seed=seed, settings={"noise": noise})
+    plan = Plan.alone(prepared, values, seed=seed, settings={"noise": noise})
     flown = fly(plan, watchers=[_Watch(flight, post or {})]).alone
     flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
     flight.time = round(flown.mission_time, 6)

@@ -31,7 +31,7 @@ class _Reader:
 def log(folder: Path, read: bool, **settings: object) -> bytes:
     prepared = prepare(missions.find("first_flight"), "marker_yard")
     values = parse_parameters(prepared.graph, {})
-    plan = Plan(prepared, values, settings={"noise": 1.0, **settings})
+    plan = Plan.alone(prepared, values, settings={"noise": 1.0, **settings})
     reader = _Reader()
     folder.mkdir()
     flown = fly(plan, lambda: Recorder(folder), [reader] if read else [])
