@@ -21,12 +21,12 @@ from vencejo.errors import Fault, UserError
 
 @dataclass(frozen=True)
 class Report:
-    """What was found in one mission."""
+    """The faults of one mission, or of one fleet."""
 
     mission: str
     faults: tuple[Fault, ...]
     graphs: tuple[Graph, ...] = ()
-    """What it became; of a fleet those that have no error, of a mission with errors none."""
+    """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
 
     @property
@@ -94,13 +94,13 @@ def _report(mission: str, world: str | None, code: bool) -> Report:
 
 
 def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
-    """With what the backend lacks."""
+    """The report, with a fault for each capability that the backend lacks."""
     missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
     return replace(report, faults=(*missing, *report.faults))
 
 
 def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
-    """What the mission's behaviours need and a backend does not offer."""
+    """Faults for the capabilities that behaviours need and a backend does not offer."""
     return [
         Fault(
             "missing-capability",

@@ -1,4 +1,4 @@
-"""The commands that tell what there is: missions, behaviors, worlds, picture, completion."""
+"""Small commands, most of them lists: missions, behaviors, worlds, picture, completion."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _list_missions(as_json: bool) -> None:
 
 
 def _about(path: Path) -> tuple[str, bool]:
-    """What a mission's file says of itself, and whether it is a fleet."""
+    """The description in a mission's file, and whether it is a fleet's."""
     from fsm import read_mission
     from fsm.fleet import read_fleet
     from fsm.language.reader import FLEET

@@ -1,4 +1,4 @@
-"""The pictures that a mission looked at, as JPEG, with a line about each in ``frames.jsonl``."""
+"""Writes the camera frames that a mission read: JPEG files, and ``frames.jsonl`` about them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The flying loop: backend, pilots, recorder and whoever watches, one mission period at a time."""
+"""The flying loop: backend, pilots, recorder and watchers, one mission period at a time."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from worlds import World
 
 @dataclass(frozen=True)
 class Assignment:
-    """What one vehicle is to fly."""
+    """The mission of one vehicle, with its parameters."""
 
     prepared: Prepared
     parameters: Mapping[str, Any] = field(default_factory=dict)
@@ -73,7 +73,7 @@ class Plan:
 
     @property
     def world_word(self) -> str:
-        """How a backend finds that world: a name or a path."""
+        """The name or path by which a backend finds that world."""
         return self._any.world_word
 
     @property
@@ -92,14 +92,14 @@ class Watcher(Protocol):
 
 
 class Stops(Protocol):
-    """How often somebody asked to stop."""
+    """Requests to stop: the first asks the missions, the second lands past them."""
 
     @property
     def count(self) -> int: ...
 
 
 @dataclass
-class _Flight:
+class _Craft:
     """One vehicle of a run, with the figures that grow with its flight."""
 
     pilot: Pilot
@@ -139,11 +139,11 @@ class _Log:
         self.failure: UserError | None = None
         """What keeps it from being written."""
 
-    def begin(self, header: Header, flights: Iterable[_Flight]) -> None:
+    def begin(self, header: Header, crafts: Iterable[_Craft]) -> None:
         if self._recorder is not None:
             self._recorder.begin(header)
-            for flight in flights:
-                self._recorder.follow(flight.pilot)
+            for craft in crafts:
+                self._recorder.follow(craft.pilot)
 
     def take(self, pilot: Pilot) -> list[Record]:
         """The records of a pilot's period, written; none where they cannot be."""
@@ -195,49 +195,49 @@ def fly(
         settings=plan.settings,
     )
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
-        flights = [_flight(plan, session, name) for name in session.vehicles]
+        crafts = [_craft(plan, session, name) for name in session.vehicles]
         header = _header(plan, session.engine)
-        log, answered, aloft = _Log(record() if record else None), 0, flights
+        log, answered, aloft = _Log(record() if record else None), 0, crafts
         stack.callback(log.close)
-        log.begin(header, flights)
+        log.begin(header, crafts)
         began = time.perf_counter()
         while aloft:
             session.wait()
             if stops.count > answered:
                 answered = stops.count
                 _stop(aloft, at_once=answered > 1)
-            for flight in aloft:
-                flight.pilot.period()
-            for flight in aloft:
-                records = log.take(flight.pilot)
-                flight.tally()
+            for craft in aloft:
+                craft.pilot.period()
+            for craft in aloft:
+                records = log.take(craft.pilot)
+                craft.tally()
                 for watcher in watchers:
-                    watcher.show(flight.pilot, records)
+                    watcher.show(craft.pilot, records)
             if log.failure is not None:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
                 _stop(aloft, at_once=True)
             if pace.factor is not None:
                 pace.wait(aloft[0].pilot.flight.now, partial(_asked_more, stops, answered))
-            aloft = [flight for flight in aloft if not flight.pilot.finished]
+            aloft = [craft for craft in aloft if not craft.pilot.finished]
         log.end()
         wall_time = time.perf_counter() - began
-        flown = {flight.pilot.vehicle.name: flight.flown() for flight in flights}
+        flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
         return Summary(header, flown, wall_time, answered > 0, versions())
 
 
-def _flight(plan: Plan, session: Session, name: str) -> _Flight:
+def _craft(plan: Plan, session: Session, name: str) -> _Craft:
     """A vehicle with its mission, about to begin."""
     vehicle, assignment = session.vehicles[name], plan.assignments[name]
     seen = vehicle.observe()
     frame = MissionFrame(seen.position, session.places, session.geographic)
     graph, parameters = assignment.prepared.graph, assignment.parameters
-    return _Flight(Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed), seen.time)
+    return _Craft(Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed), seen.time)
 
 
-def _stop(flights: Iterable[_Flight], *, at_once: bool) -> None:
+def _stop(crafts: Iterable[_Craft], *, at_once: bool) -> None:
     """Ask every mission to stop, or land past them."""
-    for flight in flights:
-        flight.pilot.land_now() if at_once else flight.pilot.abort()
+    for craft in crafts:
+        craft.pilot.land_now() if at_once else craft.pilot.abort()
 
 
 def _asked_more(stops: Stops, answered: int) -> bool:

@@ -1,4 +1,4 @@
-"""From a mission's file to a graph that may fly: what `check` and `run` have in common."""
+"""Preparation of missions and fleets: from a file to a checked graph and the world it flies in."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Prepared:
     graph: Graph
     world: World
     world_word: str
-    """How a backend finds that world: a name or a path."""
+    """The name or path by which a backend finds that world."""
     files: tuple[Path, ...]
     """Everything the flight depends on that a person wrote, the mission first."""
 
@@ -89,7 +89,7 @@ def _is_scxml(found: Found) -> bool:
 
 
 def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec:
-    """The mission as written; of a foreign document no more than its name."""
+    """The mission as written; a foreign SCXML document gives no more than its name."""
     if document is None:
         return read_mission(found.path, found.shown_as, faults)
     if is_mission(document):
@@ -107,7 +107,7 @@ def _vocabulary_of(
     code: bool = True,
     peers: Iterable[str] | None = None,
 ) -> Vocabulary:
-    """What a mission may name, with what is in the Python files that it and all it includes use.
+    """The vocabulary of a mission: that of drones, and the Python files that its graphs use.
 
     Runs those files; what is wrong with them goes to ``faults``. When they cannot be run, or with
     ``code`` False must not, their behaviours are taken on trust. ``world`` is None when unknown.
@@ -127,7 +127,7 @@ def _vocabulary_of(
 
 
 def _path(graph: MissionSpec, spec: MissionSpec, path: Path) -> Path:
-    """Where the file of a graph lies, from where that of its mission does: both are shown alike."""
+    """The path of a graph's file, from that of its mission: messages name both in the same way."""
     return path.parent / PurePosixPath(graph.file).relative_to(PurePosixPath(spec.file).parent)
 
 
@@ -143,7 +143,7 @@ def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
 
 
 def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
-    """The world to fly in, by ``--world`` or as a file in ``folder`` names it."""
+    """The world to fly in, and the place that names it: ``--world``, or a file in ``folder``."""
     if given is not None:
         return given, Where("--world")
     if named is None:

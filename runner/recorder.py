@@ -1,4 +1,4 @@
-"""The run folder: what a flight leaves behind. Written in flight by appending only.
+"""The recorder: writes the run folder of a flight, in flight by appending only.
 
 ``events.jsonl`` holds one JSON object a line and nothing of this machine or this moment, so that
 equal runs give equal bytes; runner/run_folder.py knows the formats.

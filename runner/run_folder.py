@@ -36,7 +36,7 @@ Read = TypeVar("Read")
 
 @dataclass(frozen=True)
 class MissionFacts:
-    """What one vehicle flies."""
+    """The mission that one vehicle flies."""
 
     name: str
     sha256: str
@@ -184,7 +184,7 @@ class Run:
 
 
 def header_fields(header: Header) -> dict[str, Any]:
-    """The first line of ``events.jsonl``, as JSON takes it."""
+    """The first line of ``events.jsonl``, as an object for JSON."""
     vehicles = {
         vehicle: {
             "mission": mission.name,
@@ -216,7 +216,7 @@ _HEADER_ORDER = (
 def _joined(
     vehicles: Mapping[str, Mapping[str, Any]], run: Mapping[str, Any], order: Sequence[str]
 ) -> dict[str, Any]:
-    """The fields of a run; those of a vehicle that flies alone stand among them."""
+    """The fields of a run and its vehicles; those of one that flies alone stand among the run's."""
     fields = {**(vehicles[ALONE] if list(vehicles) == [ALONE] else {"vehicles": vehicles}), **run}
     return {name: fields[name] for name in order if name in fields}
 
@@ -230,7 +230,7 @@ def _vehicles(fields: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
 def entry_fields(
     sequence: int, time: float, vehicle: str, kind: str, fields: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Any other line of ``events.jsonl``, as JSON takes it."""
+    """Any other line of ``events.jsonl``, as an object for JSON."""
     return {"seq": sequence, "t": time, "vehicle": vehicle, "kind": kind, **fields}
 
 
@@ -244,26 +244,25 @@ def telemetry_row(seen: Observation, vehicle: str, states: Sequence[str]) -> str
 
 @lru_cache(maxsize=256)
 def _cell(text: str) -> str:
-    """A text as RFC 4180 wants it: an autopilot's word for its mode may be anything."""
-    if any(mark in text for mark in ',"\r\n'):
-        return '"' + text.replace('"', '""') + '"'
-    return text
+    """A text in one cell of a line of CSV (RFC 4180): an autopilot may call its mode anything."""
+    text = text.replace("\r", " ").replace("\n", " ")
+    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
 
 
 def frames_header() -> dict[str, Any]:
-    """The first line of ``frames.jsonl``, as JSON takes it."""
+    """The first line of ``frames.jsonl``, as an object for JSON."""
     return {"format": FRAMES_FORMAT, "version": FRAMES_VERSION}
 
 
 def frame_file(vehicle: str, camera: str, frame: Frame) -> str:
-    """Where a picture lies, from the run folder."""
+    """The path of a picture, from the run folder."""
     return f"frames/{vehicle}/{camera}/{frame.sequence:06d}.jpg"
 
 
 def frame_fields(
     vehicle: str, camera: str, frame: Frame, *, with_intrinsics: bool
 ) -> dict[str, Any]:
-    """Any other line of ``frames.jsonl``, as JSON takes it; ``frame`` is of the world frame.
+    """Any other line of ``frames.jsonl``, as an object for JSON; ``frame`` is of the world frame.
 
     Intrinsics stand in the first line of each camera and where they have changed.
     """
@@ -280,7 +279,7 @@ def frame_fields(
 
 
 def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
-    """What ``summary.json`` holds and ``drone-cli run --json`` prints; figures are rounded."""
+    """The object that ``summary.json`` holds and ``drone-cli run --json`` prints, rounded."""
     header, wall = summary.header, summary.wall_time
     vehicles = {
         vehicle: {
@@ -435,8 +434,15 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
     )
 
 
+def _object(line: bytes) -> dict[str, Any]:
+    found = json.loads(line)
+    if not isinstance(found, dict):
+        raise ValueError("it is no object")
+    return found
+
+
 def _entry(line: bytes) -> LogEntry:
-    fields = json.loads(line)
+    fields = _object(line)
     sequence, time = fields.pop("seq"), fields.pop("t")
     return LogEntry(sequence, time, fields.pop("vehicle"), fields.pop("kind"), fields)
 
@@ -455,8 +461,12 @@ def _telemetry(path: Path, missing: list[str]) -> dict[str, tuple[Sample, ...]]:
 
 
 def _sample(line: bytes) -> tuple[str, Sample]:
-    """A vehicle and where it was."""
-    ((time, vehicle, *numbers, mode, state),) = csv.reader([line.decode()], strict=True)
+    """A vehicle's name and its sample."""
+    (cells,) = csv.reader([line.decode()], strict=True)
+    columns = TELEMETRY_COLUMNS.count(",") + 1
+    if len(cells) != columns:
+        raise ValueError(f"it has {len(cells)} columns, not {columns}")
+    time, vehicle, *numbers, mode, state = cells
     x, y, z, vx, vy, vz, roll, pitch, yaw, battery = map(float, numbers)
     position, velocity = Point(x, y, z), Point(vx, vy, vz)
     states = tuple(state.split("|")) if state else ()
@@ -474,7 +484,7 @@ def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
     last: dict[tuple[str, str], Intrinsics] = {}
 
     def read(line: bytes) -> RecordedFrame:
-        fields = json.loads(line)
+        fields = _object(line)
         vehicle, camera = fields["vehicle"], fields["camera"]
         if "intrinsics" in fields:
             given = Intrinsics(**fields["intrinsics"])

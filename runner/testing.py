@@ -1,4 +1,4 @@
-"""For tests of missions: fly one in the simulator and look at how it went."""
+"""Helpers for tests of missions: fly one in the simulator and look at how it went."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from vencejo.geometry import Point, distance
 
 @dataclass
 class MissionFlight:
-    """A flight as a test wants to see it; positions in the mission frame."""
+    """The course of a flight; positions in the mission frame."""
 
     outcome: str = ""
     reason: str = ""
@@ -48,7 +48,7 @@ class MissionFlight:
         return max(place.z for _, place in self.track)
 
     def nearest(self, place: tuple[float, float, float]) -> float:
-        """How near it came to a place, metres."""
+        """The least distance to a place during the flight, metres."""
         return min(distance(point, place) for _, point in self.track)
 
 

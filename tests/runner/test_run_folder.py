@@ -257,11 +257,16 @@ def test_a_damaged_line_is_told_with_its_place(folder: Path) -> None:
     assert changed(folder, "events.jsonl", '{"seq":1', '{"sqe":1').startswith(
         "events.jsonl:3:1: error: 'seq' is missing in this line"
     )
-    assert changed(folder, "events.jsonl", "\n{", "\n3\n{").startswith("events.jsonl:2:1: error: ")
+    assert changed(folder, "events.jsonl", "\n{", "\n3\n{").startswith(
+        "events.jsonl:2:1: error: this line cannot be read: it is no object"
+    )
     for after in ("0.050,x,drone,", "0.050,", '"0.050,drone,'):
         assert changed(folder, "telemetry.csv", "0.050,drone,", after).startswith(
             "telemetry.csv:3:1: error: this line cannot be read: "
         )
+    assert "cannot be read: it has 13 columns, not 14 [damaged-run]" in (
+        changed(folder, "telemetry.csv", "0.050,drone,", "0.050,")
+    )
     assert changed(folder, "frames.jsonl", '"intrinsics":', '"lens":').startswith(
         "frames.jsonl:2:1: error: 'intrinsics' is missing in this line"
     )
