@@ -1,4 +1,4 @@
-"""What a person sees of a flight: one live view on a terminal, plain lines everywhere else."""
+"""Views of a flight: a live one on a terminal, plain lines everywhere else."""
 
 from __future__ import annotations
 

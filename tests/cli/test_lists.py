@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from behaviors import Catalog
-from cli.missions import SHIPPED
+from runner.missions import SHIPPED
 from tests.cli.run_cli import run_cli
 from worlds import world_names
 

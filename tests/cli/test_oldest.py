@@ -12,6 +12,7 @@ ROOT = Path(__file__).parents[2]
 TESTS = (
     "tests/cli/test_run.py",
     "tests/cli/test_pieces.py",
+    "tests/runner",
     "tests/hal/test_contract.py",
     "tests/fsm",
 )

@@ -10,9 +10,9 @@ import pytest
 
 from behaviors import MissionFrame, Pilot
 from behaviors.saving import resume_flight, save_flight
-from cli import missions
-from cli.prepare import prepare
 from hal import Options, open_backend
+from runner import missions
+from runner.preparation import prepare
 
 
 def flown(mission: str, post: Mapping[int, str], saved: bool) -> list[Any]:

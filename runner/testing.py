@@ -1,4 +1,4 @@
-"""For tests of missions: fly one in the simulator and look at how it went."""
+"""Helpers for tests of missions: fly one in the simulator and look at how it went."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from behaviors import Pilot, drone_vocabulary
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
 from fsm import (
     Graph,
     Vocabulary,
@@ -20,12 +17,15 @@ from fsm import (
     read_mission_text,
 )
 from fsm.engine.instance import Record
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
 from vencejo.geometry import Point, distance
 
 
 @dataclass
 class MissionFlight:
-    """A flight as a test wants to see it; positions in the mission frame."""
+    """The course of a flight; positions in the mission frame."""
 
     outcome: str = ""
     reason: str = ""
@@ -48,7 +48,7 @@ class MissionFlight:
         return max(place.z for _, place in self.track)
 
     def nearest(self, place: tuple[float, float, float]) -> float:
-        """How near it came to a place, metres."""
+        """The least distance to a place during the flight, metres."""
         return min(distance(point, place) for _, point in self.track)
 
 
@@ -102,8 +102,8 @@ def fly_mission(
         watch(prepared.graph)
     values = parse_parameters(prepared.graph, parameters or {})
     flight = MissionFlight()
-    plan = Plan(prepared, values, seed=seed, settings={"noise": noise})
-    flown = fly(plan, watchers=[_Watch(flight, post or {})])
+    plan = Plan.alone(prepared, values, seed=seed, settings={"noise": noise})
+    flown = fly(plan, watchers=[_Watch(flight, post or {})]).alone
     flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
-    flight.time = flown.mission_time
+    flight.time = round(flown.mission_time, 6)
     return flight

@@ -1,4 +1,4 @@
-"""What the files of a run folder have in common: how JSON is written, and how it fails."""
+"""Files that only grow, JSON as their lines, and the error of a file that cannot be written."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vencejo.errors import UserError, Where
 
 
 def as_json(value: Any) -> Any:
-    """What json cannot write by itself: points as lists, records as maps."""
+    """Convert for ``json`` what it cannot write by itself: dataclasses to maps, sets to lists."""
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
     if isinstance(value, (set, frozenset)):
@@ -33,7 +33,7 @@ _HINT = "make room, or choose another --runs-dir"
 
 @contextmanager
 def writing(path: Path, hint: str = _HINT) -> Iterator[None]:
-    """A full disk or a folder that cannot be written is told as UserError (``cannot-record``)."""
+    """Turn an OSError of writing (a full disk, for instance) into UserError (``cannot-record``)."""
     try:
         yield
     except OSError as error:

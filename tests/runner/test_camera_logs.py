@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from behaviors import Pilot
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from fsm import parse_parameters
 from fsm.engine.instance import Record
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 
 
 class _Reader:
@@ -31,11 +31,11 @@ class _Reader:
 def log(folder: Path, read: bool, **settings: object) -> bytes:
     prepared = prepare(missions.find("first_flight"), "marker_yard")
     values = parse_parameters(prepared.graph, {})
-    plan = Plan(prepared, values, settings={"noise": 1.0, **settings})
+    plan = Plan.alone(prepared, values, settings={"noise": 1.0, **settings})
     reader = _Reader()
     folder.mkdir()
     flown = fly(plan, lambda: Recorder(folder), [reader] if read else [])
-    assert flown.outcome == "done" and (reader.frames > 20) == read
+    assert flown.alone.outcome == "done" and (reader.frames > 20) == read
     return (folder / "events.jsonl").read_bytes()
 
 

@@ -15,14 +15,14 @@ SHIPPED = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent / "missions"
 
 @dataclass(frozen=True)
 class Found:
-    """A mission's file, and how to call it in messages."""
+    """A mission's file, and the name that messages give it."""
 
     path: Path
     shown_as: str
 
 
 def own_folder() -> Path:
-    """Where a person keeps missions that are run by name."""
+    """The folder in which a person keeps missions that are run by name."""
     return Path("missions")
 
 

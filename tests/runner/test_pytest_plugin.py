@@ -12,7 +12,7 @@ pytest_plugins = ["pytester"]
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "testing.md"
 # Where the distribution is installed with its entry point, pytest knows the plugin by that name.
-PLUGIN = "vencejo" if entry_points(group="pytest11", name="vencejo") else "cli.pytest_plugin"
+PLUGIN = "vencejo" if entry_points(group="pytest11", name="vencejo") else "runner.pytest_plugin"
 
 
 @pytest.fixture
@@ -81,8 +81,18 @@ def test_a_text_and_a_vocabulary_of_ones_own(pytester: pytest.Pytester) -> None:
 
 def test_the_plugin_imports_nothing_of_ours_before_it_is_used() -> None:
     code = (
-        "import sys, pytest; before = set(sys.modules); import cli.pytest_plugin; "
+        "import sys, pytest; before = set(sys.modules); import runner.pytest_plugin; "
         "print(sorted(set(sys.modules) - before))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "['cli', 'cli.pytest_plugin']"
+    assert done.stdout.strip() == "['runner', 'runner.pytest_plugin']"
+
+
+def test_flights_of_tests_need_no_command_line() -> None:
+    code = (
+        "import sys, runner.pytest_plugin; from runner.testing import fly_mission\n"
+        "print(fly_mission('first_flight').outcome)\n"
+        "print(sorted({'cli', 'click', 'rich', 'matplotlib'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[-3:] == ["done", "[]", ""]

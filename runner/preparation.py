@@ -1,4 +1,4 @@
-"""From a mission's file to a graph that may fly: what `check` and `run` have in common."""
+"""Preparation of missions and fleets: from a file to a checked graph and the world it flies in."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from pathlib import Path, PurePosixPath
 
 from behaviors import drone_vocabulary, load_all, trusted
 from behaviors.catalog import Own
-from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
+from fsm.fleet import check_fleet, read_fleet
 from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
 from fsm.scxml import Element, import_mission, is_mission, load_document, read_document
-from vencejo.errors import Where
+from runner.missions import Found
+from vencejo.errors import Fault, Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
 
@@ -30,7 +31,7 @@ class Prepared:
     graph: Graph
     world: World
     world_word: str
-    """How a backend finds that world: a name or a path."""
+    """The name or path by which a backend finds that world."""
     files: tuple[Path, ...]
     """Everything the flight depends on that a person wrote, the mission first."""
 
@@ -43,11 +44,11 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     faults = Faults()
     document = read_document(found.path, found.shown_as) if _is_scxml(found) else None
     spec = _spec(found, document, faults)
-    word, where = world_word(spec.world, found.path.parent, world)
+    word, where = _world_word(spec.world, found.path.parent, world)
     place: World | None = None
     with faults.collecting():
         place = find_world(word, where)
-    vocabulary = vocabulary_of(spec, found.path, place, faults, code=code)
+    vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code)
     if document is not None and not is_mission(document):
         graph = load_document(document, spec.name, vocabulary)
         faults.raise_any()
@@ -59,12 +60,36 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     return Prepared(found, spec, graph, place, word, files)
 
 
+def check_fleet_file(
+    found: Found, world: str | None = None, *, code: bool = True
+) -> tuple[list[Fault], list[Graph]]:
+    """Every fault of a fleet and of its missions, and the graphs of those that have no error.
+
+    Fleets do not fly yet. Raises UserError when the fleet's own file or its world cannot be read.
+    """
+    fleet, faults = read_fleet(found.path, found.shown_as)
+    place = find_world(*_world_word(fleet.world, found.path.parent, world))
+    graphs: dict[str, Graph] = {}
+    for member in fleet.members:
+        with faults.collecting():
+            found_here = Faults()
+            vocabulary = _vocabulary_of(
+                member.spec, member.path, place, found_here, code=code, peers=fleet.names
+            )
+            graph = compile_mission(member.spec, vocabulary, found_here)
+            graphs[member.name.text] = graph
+            faults.extend((*graph.warnings, *prove(graph)))
+    faults.extend(check_fleet(fleet, graphs))
+    # Two vehicles may fly one mission: its faults are told once.
+    return list(dict.fromkeys(faults)), list(graphs.values())
+
+
 def _is_scxml(found: Found) -> bool:
     return found.path.suffix == ".scxml"
 
 
 def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec:
-    """The mission as written; of a foreign document no more than its name."""
+    """The mission as written; a foreign SCXML document gives no more than its name."""
     if document is None:
         return read_mission(found.path, found.shown_as, faults)
     if is_mission(document):
@@ -73,7 +98,7 @@ def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec
     return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound"))
 
 
-def vocabulary_of(
+def _vocabulary_of(
     spec: MissionSpec,
     path: Path,
     world: World | None,
@@ -82,7 +107,7 @@ def vocabulary_of(
     code: bool = True,
     peers: Iterable[str] | None = None,
 ) -> Vocabulary:
-    """What a mission may name, with what is in the Python files that it and all it includes use.
+    """The vocabulary of a mission: that of drones, and the Python files that its graphs use.
 
     Runs those files; what is wrong with them goes to ``faults``. When they cannot be run, or with
     ``code`` False must not, their behaviours are taken on trust. ``world`` is None when unknown.
@@ -102,7 +127,7 @@ def vocabulary_of(
 
 
 def _path(graph: MissionSpec, spec: MissionSpec, path: Path) -> Path:
-    """Where the file of a graph lies, from where that of its mission does: both are shown alike."""
+    """The path of a graph's file, from that of its mission: messages name both in the same way."""
     return path.parent / PurePosixPath(graph.file).relative_to(PurePosixPath(spec.file).parent)
 
 
@@ -117,8 +142,8 @@ def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
     yield from found
 
 
-def world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
-    """The world to fly in, by ``--world`` or as a file in ``folder`` names it."""
+def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
+    """The world to fly in, and the place that names it: ``--world``, or a file in ``folder``."""
     if given is not None:
         return given, Where("--world")
     if named is None:

@@ -1,33 +1,38 @@
-"""The run folder: what a flight leaves behind. Written in flight by appending only.
+"""The recorder: writes the run folder of a flight, in flight by appending only.
 
 ``events.jsonl`` holds one JSON object a line and nothing of this machine or this moment, so that
-equal runs give equal bytes; ``docs/runs.md`` describes it, ``telemetry.csv`` and the frames.
+equal runs give equal bytes; runner/run_folder.py knows the formats.
 """
 
 from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from functools import partial
-from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from behaviors import Pilot
-from cli.appending import AppendedFile, as_json, encode, writing
-from cli.frames import FrameFiles
 from fsm.engine.instance import Record
 from hal.vehicle import Frame, Observation
+from runner.appended_file import AppendedFile, as_json, encode, writing
+from runner.frames import FrameFiles
+from runner.run_folder import (
+    EVENTS,
+    SUMMARY,
+    TELEMETRY,
+    TELEMETRY_COLUMNS,
+    Header,
+    Summary,
+    entry_fields,
+    header_fields,
+    summary_fields,
+    telemetry_row,
+)
 from vencejo.errors import UserError, Where
-from vencejo.geometry import roll_pitch_of
 from worlds import World
 
-FORMAT = "vencejo.events"
-FORMAT_VERSION = 1
-TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
-_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: what a killed run may lose is one second."""
 
@@ -61,13 +66,14 @@ class Recorder:
         """``frames``: whether the pictures that were read are kept."""
         self.folder = folder
         self._sequence = 0
-        self._rows: list[tuple[Observation, str, str]] = []
-        self._state = ""
+        self._rows: list[tuple[Observation, str, Sequence[str]]] = []
+        self._states: dict[str, Sequence[str]] = {}
+        """Paths of the active leaf states, by vehicle."""
         self._frames = FrameFiles(folder) if frames else None
         self._read: list[tuple[str, str, Frame]] = []
         """Vehicle, camera and frame of what was read since it was last written."""
-        self._events = AppendedFile(folder / "events.jsonl")
-        self._telemetry = AppendedFile(folder / "telemetry.csv")
+        self._events = AppendedFile(folder / EVENTS)
+        self._telemetry = AppendedFile(folder / TELEMETRY)
 
     def keep(self, files: Iterable[Path], base: Path) -> None:
         """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
@@ -86,10 +92,9 @@ class Recorder:
             with writing(copy):
                 copy.write_text(world.text, "utf-8")
 
-    def header(self, facts: Mapping[str, Any]) -> None:
-        """The first lines: what makes this run what it is."""
-        first = {"format": FORMAT, "version": FORMAT_VERSION, **facts}
-        self._events.append([encode(first)])
+    def begin(self, header: Header) -> None:
+        """Write the first lines of events and telemetry."""
+        self._events.append([encode(header_fields(header))])
         self._telemetry.append([TELEMETRY_COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
@@ -110,13 +115,13 @@ class Recorder:
             pilot.instance.records = []
             lines = []
             for kind, fields in records:
-                line = {"seq": self._sequence, "t": seen.time, "vehicle": vehicle, "kind": kind}
-                lines.append(encode({**line, **fields}))
+                entry = entry_fields(self._sequence, seen.time, vehicle, kind, fields)
+                lines.append(encode(entry))
                 self._sequence += 1
             self._events.append(lines)
-            self._state = "|".join(pilot.instance.paths())
+            self._states[vehicle] = pilot.instance.paths()
         # Formatted many at a time: one by one they would take twice as long.
-        self._rows.append((seen, vehicle, self._state))
+        self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
         if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
         if self._read:
@@ -125,7 +130,7 @@ class Recorder:
 
     def _write_rows(self) -> None:
         rows, self._rows = self._rows, []
-        self._telemetry.append([_row(*row) for row in rows])
+        self._telemetry.append([telemetry_row(*row) for row in rows])
 
     def _write_frames(self) -> None:
         read, self._read = self._read, []
@@ -143,19 +148,9 @@ class Recorder:
                 self._write_rows()
             self._write_frames()
 
-    def write(self, name: str, content: Mapping[str, Any]) -> None:
-        """A JSON file beside the log, for people to read too."""
-        text = json.dumps(content, indent=2, ensure_ascii=False, default=as_json)
-        with writing(self.folder / name):
-            (self.folder / name).write_text(text + "\n", encoding="utf-8")
-
-
-def _row(seen: Observation, vehicle: str, state: str) -> str:
-    roll, pitch = roll_pitch_of(seen.attitude)
-    place = (seen.time, vehicle, *seen.position, *seen.velocity)
-    return _ROW % (*place, roll, pitch, seen.yaw, seen.battery, seen.mode, state)
-
-
-def file_hash(path: Path) -> str:
-    """SHA-256 of a file, hexadecimal."""
-    return sha256(path.read_bytes()).hexdigest()
+    def write_summary(self, summary: Summary) -> None:
+        """Write how the run ended, for people to read too."""
+        fields = summary_fields(summary, self.folder)
+        text = json.dumps(fields, indent=2, ensure_ascii=False, default=as_json)
+        with writing(self.folder / SUMMARY):
+            (self.folder / SUMMARY).write_text(text + "\n", encoding="utf-8")

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from cli.testing import MissionFlight
     from fsm import Vocabulary
     from fsm.coverage import Coverage
     from fsm.testing import Ending, Trial
+    from runner.testing import MissionFlight
 
 COVERAGE: pytest.StashKey[Coverage] = pytest.StashKey()
 
@@ -50,9 +50,9 @@ def mission(pytestconfig: pytest.Config) -> Callable[..., Trial]:
         *,
         vocabulary: Vocabulary | None = None,
     ) -> Trial:
-        from cli.testing import graph_of
         from fsm import parse_parameters
         from fsm.testing import Trial
+        from runner.testing import graph_of
 
         graph = graph_of(source, vocabulary)
         _watch(pytestconfig)(graph)
@@ -63,10 +63,10 @@ def mission(pytestconfig: pytest.Config) -> Callable[..., Trial]:
 
 @pytest.fixture
 def fly(pytestconfig: pytest.Config) -> Callable[..., MissionFlight]:
-    """Fly a mission in the simulator (see cli.testing.fly_mission)."""
+    """Fly a mission in the simulator (see runner.testing.fly_mission)."""
 
     def flown(mission: str | Path, *args: Any, **settings: Any) -> MissionFlight:
-        from cli.testing import fly_mission
+        from runner.testing import fly_mission
 
         return fly_mission(mission, *args, watch=_watch(pytestconfig), **settings)
 

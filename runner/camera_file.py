@@ -57,7 +57,7 @@ def read_camera_file(path: Path) -> dict[str, Mapping[str, Any] | None]:
 
 
 def joined(first: Cameras, second: Cameras) -> dict[str, Mapping[str, Any] | None]:
-    """Both; where they differ the second counts."""
+    """The cameras of both, property by property; where both set one, the second counts."""
     found = dict(first)
     for name, camera in second.items():
         found[name] = None if camera is None else {**(first.get(name) or {}), **camera}

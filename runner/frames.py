@@ -1,16 +1,14 @@
-"""The pictures that a mission looked at, as JPEG, with a line about each in ``frames.jsonl``."""
+"""Writes the camera frames that a mission read: JPEG files, and ``frames.jsonl`` about them."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from cli.appending import AppendedFile, encode, writing
 from hal.vehicle import Frame, Intrinsics
+from runner.appended_file import AppendedFile, encode, writing
+from runner.run_folder import FRAMES, frame_fields, frame_file, frames_header
 
-FORMAT = "vencejo.frames"
-FORMAT_VERSION = 1
 QUALITY = 90
 """Of the JPEGs, from 0 to 100: the files are a quarter smaller than at OpenCV's own 95."""
 _HINT = "make room, fly with --no-frames, or choose another --runs-dir"
@@ -30,21 +28,11 @@ class FrameFiles:
         last = self._last.get((vehicle, camera))
         if last is not None and last[0] == frame.sequence:
             return
-        name = f"frames/{vehicle}/{camera}/{frame.sequence:06d}.jpg"
-        line: dict[str, Any] = {
-            "t": frame.time,
-            "vehicle": vehicle,
-            "camera": camera,
-            "sequence": frame.sequence,
-            "file": name,
-            "position": frame.position,
-            "attitude": frame.attitude,
-        }
-        if last is None or last[1] != frame.intrinsics:
-            line["intrinsics"] = asdict(frame.intrinsics)
-        with writing(self._folder / name, _HINT):
-            self._picture(self._folder / name, frame)
-        self._append(line)
+        path = self._folder / frame_file(vehicle, camera, frame)
+        with writing(path, _HINT):
+            self._picture(path, frame)
+        changed = last is None or last[1] != frame.intrinsics
+        self._append(frame_fields(vehicle, camera, frame, with_intrinsics=changed))
         self._last[vehicle, camera] = frame.sequence, frame.intrinsics
 
     def _picture(self, path: Path, frame: Frame) -> None:
@@ -63,8 +51,8 @@ class FrameFiles:
 
     def _append(self, line: dict[str, Any]) -> None:
         if self._lines is None:
-            self._lines = AppendedFile(self._folder / "frames.jsonl", _HINT)
-            self._lines.append([encode({"format": FORMAT, "version": FORMAT_VERSION})])
+            self._lines = AppendedFile(self._folder / FRAMES, _HINT)
+            self._lines.append([encode(frames_header())])
         self._lines.append([encode(line)])
 
     def close(self) -> None:
