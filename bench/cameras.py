@@ -31,7 +31,7 @@ from cli.prepare import prepare
 from cli.recorder import Recorder
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from hal.rendering import RENDERERS, Pose, open_renderer
+from hal.renderers import RENDERERS, Pose, open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
 from vencejo.geometry import OPTICAL, Point, about_y, product

@@ -23,7 +23,7 @@ from cli.prepare import prepare
 from cli.recorder import Recorder
 from fsm import parse_parameters
 from hal.sim.bullet import Bullet
-from hal.sim.skyline import Skyline
+from hal.sim.obstacle_heights import Skyline
 from vencejo.seeds import generator
 from worlds import load_world
 

@@ -14,7 +14,7 @@ from cli import missions as known
 from cli.look import VIEWS
 from cli.options import MissionName, Place, Word, renderer_option, shadows_option
 from fsm import Behavior, Parameter
-from hal.rendering import show_window
+from hal.renderers import show_window
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi, radians, tan
 from pathlib import Path
 
-from hal.rendering import Pose, open_renderer
+from hal.renderers import Pose, open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, Where
 from vencejo.geometry import OPTICAL, Point, Quaternion, about_y, product, turned, yaw_quaternion

@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from hal.rendering import RENDERERS
+from hal.renderers import RENDERERS
 from vencejo.errors import nearest
 
 

@@ -9,6 +9,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point
 from vencejo.nodes import Node
 from worlds import curves, figures
+from worlds.assets import PICTURE, file_of
 from worlds.colors import COLORS
 from worlds.markers import (
     DICTIONARY,
@@ -19,8 +20,7 @@ from worlds.markers import (
     marker_parts,
     plate_side,
 )
-from worlds.pictures import PICTURE, file_of
-from worlds.placing import Draft, placed
+from worlds.placement import Draft, placed
 from worlds.things import UPRIGHT, Color, Fiducial, Image, Mesh, Part
 from worlds.values import (
     COLOR,
@@ -76,7 +76,7 @@ def _mesh(file: Mesh, scale: float, color: Color) -> tuple[Part, ...]:
 
 
 def _read_mesh(node: Node) -> Mesh:
-    from worlds.meshes import load_mesh
+    from worlds.mesh_files import load_mesh
 
     path = file_of(node)
     try:
@@ -86,7 +86,7 @@ def _read_mesh(node: Node) -> Mesh:
 
 
 def _read_model(node: Node) -> tuple[Part, ...]:
-    from worlds.models import load_model
+    from worlds.model_files import load_model
 
     path = file_of(node)
     try:

@@ -15,9 +15,9 @@ from vencejo.errors import Fault, UserError, Where
 from vencejo.geometry import Point, horizontal_distance
 from vencejo.nodes import Node, Scalar, read_file, read_text
 from worlds import roads
+from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.kinds import BEACON, KINDS
 from worlds.model import Start, World
-from worlds.scene import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.solids import START_CLEARANCE, thing_near, top_of
 from worlds.terrain import height_at
 from worlds.things import Terrain, Thing

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.solids import Array
-from hal.raster.tiles import FINEST, LEVELS, SIDE, Tiles, filled
+from hal.scene.ground_tiles import FINEST, LEVELS, SIDE, Tiles, filled
+from hal.scene.surfaces import Array
 
 Pixels = NDArray[np.uint8]
 

@@ -14,16 +14,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.depth import draw_knot
-from hal.raster.drape import drape
+from hal.raster.buffers import Pose, Scene
+from hal.raster.depth_buffer import draw_knot
+from hal.raster.depth_order import paint_order
 from hal.raster.ground import Band, GroundPainter, GroundView
-from hal.raster.order import paint_order
-from hal.raster.scene import Pose, Scene
-from hal.raster.shadows import Shadows
-from hal.raster.solids import Array, cut, relief_of, rotation
-from hal.raster.spans import Outlines, Spans, outlines, spans
-from hal.raster.textures import picture_of
-from hal.raster.tiles import Tiles, filled
+from hal.raster.shadow_polygons import Shadows
+from hal.scene.ground_texture import drape
+from hal.scene.ground_tiles import Tiles, filled
+from hal.scene.scanlines import Outlines, Spans, outlines, spans
+from hal.scene.surfaces import Array, cut, relief_of, rotation
+from hal.scene.textures import picture_of
 from hal.vehicle import Intrinsics
 from worlds.model import World
 from worlds.motion import pose_at
@@ -73,7 +73,7 @@ class _Faces:
 
 
 class Raster:
-    """Renders a world (see :class:`hal.rendering.Renderer`)."""
+    """Renders a world (see :class:`hal.renderers.Renderer`)."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError for a picture or marker that is none."""
@@ -105,7 +105,7 @@ class Raster:
     def render(
         self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
     ) -> Pixels:
-        """See :class:`hal.rendering.Renderer`."""
+        """See :class:`hal.renderers.Renderer`."""
         shot = _shot(pose, intrinsics)
         places = {name: pose_at(thing, time) for name, thing in self._moving.items()}
         flying = {f" {name}": pose for name, pose in vehicles.items()}
@@ -126,7 +126,7 @@ class Raster:
         return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2BGR), np.uint8)
 
     def close(self) -> None:
-        """See :class:`hal.rendering.Renderer`: there is nothing but memory to give back."""
+        """See :class:`hal.renderers.Renderer`: there is nothing but memory to give back."""
 
     # The ground.
 

@@ -1,7 +1,7 @@
 """The simulator: deterministic, without a window, many times faster than the clock."""
 
 from hal.sim.bullet import Bullet
-from hal.sim.cameras import DEFAULT_CAMERAS, CameraSpec
+from hal.sim.sensors.camera import DEFAULT_CAMERAS, CameraSpec
 from hal.sim.session import SimSession
 from hal.sim.vehicle import CAPABILITIES as _FLYING
 from hal.vehicle import Options, Session
@@ -17,9 +17,9 @@ __all__ = ["CAPABILITIES", "CameraSpec", "SimSession", "open_session"]
 def open_session(options: Options) -> Session:
     """Open the simulator on the world of the options, or on ``empty``; use it in a ``with``.
 
-    Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``cameras``, what
-    they are like (see :func:`hal.sim.cameras.read_cameras`); ``renderer``, the name of one (see
-    :data:`hal.rendering.RENDERERS`); ``shadows``, whether pictures have them.
+    Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``cameras`` (see
+    :func:`hal.sim.sensors.camera.read_cameras`); ``renderer``, the name of one (see
+    :data:`hal.renderers.RENDERERS`); ``shadows``, whether pictures have them.
     Raises UserError for a world or settings that are wrong, VehicleError without pybullet.
     """
     if options.address is not None:

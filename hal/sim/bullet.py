@@ -13,10 +13,10 @@ from importlib.metadata import version
 from math import dist, inf
 from typing import Any
 
+from hal.sim.body_registry import Register, Solid
+from hal.sim.collision_shapes import Piece, chunks, compound, hills, mesh, pieces_of, skin
 from hal.sim.movers import Mover
 from hal.sim.physics import GRAVITY, STEP, State, Touches, Triple
-from hal.sim.register import Register, Solid
-from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of, skin
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from math import atan2, copysign, hypot
 from typing import Any
 
+from hal.sim.collision_shapes import Piece, compound
 from hal.sim.physics import GRAVITY, STEP
-from hal.sim.shapes import Piece, compound
 from vencejo.geometry import product
 from worlds.motion import STRETCH, pose_at
 from worlds.things import Thing

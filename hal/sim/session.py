@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from hal.scene.appearance import quadrotor
 from hal.sim.airframe import Airframe
-from hal.sim.cameras import SimCamera, Studio
-from hal.sim.looks import quadrotor
 from hal.sim.noise import CommandNoise
+from hal.sim.obstacle_heights import Skyline
 from hal.sim.physics import Physics
+from hal.sim.sensors.camera import SimCamera, Studio
 from hal.sim.settings import read_settings
-from hal.sim.skyline import Skyline
 from hal.sim.vehicle import STEPS, SimVehicle
 from hal.vehicle import Options
 from vencejo.errors import UserError, VehicleError

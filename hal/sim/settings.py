@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from hal.rendering import check_renderer
-from hal.sim.cameras import CameraSpec, read_cameras
+from hal.renderers import check_renderer
+from hal.sim.sensors.camera import CameraSpec, read_cameras
 from vencejo.errors import UserError, nearest
 
 _KNOWN = ("noise", "cameras", "renderer", "shadows")

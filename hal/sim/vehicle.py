@@ -8,13 +8,13 @@ from math import isfinite
 from hal.orders import Orders
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
-from hal.sim.cameras import Track
+from hal.sim.contact_tracker import REST, Footing
 from hal.sim.control import Controller
-from hal.sim.footing import REST, Footing
 from hal.sim.limits import set_limits
 from hal.sim.noise import CommandNoise
+from hal.sim.obstacle_heights import Skyline
 from hal.sim.physics import Physics, State, in_body
-from hal.sim.skyline import Skyline
+from hal.sim.sensors.camera import Track
 from hal.vehicle import (
     PERIOD,
     Camera,

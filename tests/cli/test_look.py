@@ -10,7 +10,7 @@ import pytest
 
 from cli.look import LENS, view
 from cli.options import cameras
-from hal.raster.solids import rotation
+from hal.scene.surfaces import rotation
 from tests.cli.run_cli import run_cli
 from vencejo.geometry import Point
 from worlds import find_world, world_names

@@ -9,7 +9,7 @@ from random import Random
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.rendering import Pose
+from hal.renderers import Pose
 from hal.vehicle import Intrinsics
 from vencejo.geometry import Point, Quaternion, yaw_quaternion
 from worlds.model import Ground, Light, Start, World

@@ -9,7 +9,7 @@ import pytest
 
 from hal.raster import Raster
 from hal.raster.renderer import NEAR
-from hal.sim.bullet_view import TinyView
+from hal.sim.bullet_renderers import TinyView
 from tests.hal.scenes import clutter, lens, look
 
 LENS = lens(320, 240)

@@ -13,9 +13,9 @@ import pytest
 from numpy.typing import NDArray
 
 from hal.raster import Raster
-from hal.raster.solids import ball, rotation
-from hal.rendering import Pose
-from hal.sim.bullet_view import EglView, TinyView
+from hal.renderers import Pose
+from hal.scene.surfaces import ball, rotation
+from hal.sim.bullet_renderers import EglView, TinyView
 from hal.vehicle import Intrinsics
 from tests.hal.scenes import (
     GREEN,

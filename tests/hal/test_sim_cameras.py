@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 import pytest
 
-from hal.raster.solids import rotation
+from hal.scene.appearance import color_of
+from hal.scene.surfaces import rotation
 from hal.sim import CameraSpec, SimSession, open_session
 from hal.sim.bullet import Bullet
-from hal.sim.looks import color_of
-from hal.sim.optics import Optics
+from hal.sim.sensors.lens import Optics
 from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError

@@ -9,12 +9,12 @@ from random import Random
 
 import pytest
 
-from hal.raster.solids import relief_of
+from hal.scene.surfaces import relief_of
 from hal.sim import open_session
 from hal.sim.bullet import Bullet
-from hal.sim.bumps import Bumps
+from hal.sim.contact_debouncer import Bumps
+from hal.sim.obstacle_heights import Skyline
 from hal.sim.physics import GRAVITY, STEP, Body, Touches, Triple
-from hal.sim.skyline import Skyline
 from hal.vehicle import Options, Position, Velocity
 from tests.hal.flying import finish, hovering, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of

@@ -13,7 +13,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from vencejo.geometry import Point, Quaternion, about_x, about_y, product, turned, yaw_quaternion
-from worlds.meshes import load_mesh
+from worlds.mesh_files import load_mesh
 from worlds.things import UPRIGHT, Color, Cuboid, Cylinder, Mesh, Part, Shape, Sphere
 
 _GRAY: Color = (128, 128, 128)

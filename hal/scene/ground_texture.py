@@ -7,8 +7,8 @@ from math import ceil, log2
 import cv2
 import numpy as np
 
-from hal.raster.textures import Painted
-from hal.raster.tiles import FINEST, SIDE, Tiles
+from hal.scene.ground_tiles import FINEST, SIDE, Tiles
+from hal.scene.textures import Painted
 
 _TEXELS = 2048
 """Along the picture, at most."""

@@ -16,11 +16,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.drape import drape
-from hal.raster.solids import Solid, ball, relief_of, rotation, solid_of
-from hal.raster.textures import Painted, picture_of
-from hal.raster.tiles import FINEST, SIDE, Tiles
-from hal.rendering import Pose
+from hal.renderers import Pose
+from hal.scene.ground_texture import drape
+from hal.scene.ground_tiles import FINEST, SIDE, Tiles
+from hal.scene.surfaces import Solid, ball, relief_of, rotation, solid_of
+from hal.scene.textures import Painted, picture_of
 from hal.sim.bullet import load_pybullet, shut
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
@@ -42,7 +42,7 @@ _BENEATH = -0.02
 
 
 class BulletView:
-    """A world in a pybullet of its own, to be looked at (see :class:`hal.rendering.Renderer`)."""
+    """A world in a pybullet of its own, to be looked at (see :class:`hal.renderers.Renderer`)."""
 
     shift = 0.0
     """How far right and down of a pixel's centre this renderer looks, pixels."""
@@ -89,7 +89,7 @@ class BulletView:
     def render(
         self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
     ) -> Pixels:
-        """See :class:`hal.rendering.Renderer`."""
+        """See :class:`hal.renderers.Renderer`."""
         return self.look(pose, intrinsics, time, vehicles)[0]
 
     def look(

@@ -14,7 +14,7 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.textures import Painted
+from hal.scene.textures import Painted
 from vencejo.geometry import Quaternion
 from worlds.things import Color, Cuboid, Cylinder, Mesh, Part, Plate, Sphere, Terrain, Texture
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.order import separating_plane
-from hal.raster.solids import (
+from hal.raster.depth_order import separating_plane
+from hal.scene.surfaces import (
     OUTLINE,
     Array,
     Face,

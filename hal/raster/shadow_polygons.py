@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import cv2
 import numpy as np
 
-from hal.raster.scene import Scene
-from hal.raster.solids import Array
+from hal.raster.buffers import Scene
+from hal.scene.surfaces import Array
 
 _FLAT = 0.02
 """What reaches less high above the ground casts no shadow, metres."""

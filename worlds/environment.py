@@ -7,9 +7,9 @@ from math import cos, pi, sin
 from vencejo.errors import UserError, Where
 from vencejo.nodes import Node, Sequence
 from vencejo.units import ANGLE, LENGTH
+from worlds.assets import PICTURE
 from worlds.colors import COLORS
 from worlds.model import Ground, Light, Origin
-from worlds.pictures import PICTURE
 from worlds.terrain import TERRAIN
 from worlds.things import Color, Image, Terrain
 from worlds.values import (

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from hal.sim.bumps import Bumps
+from hal.sim.contact_debouncer import Bumps
+from hal.sim.obstacle_heights import Skyline
 from hal.sim.physics import Body, Physics, State, Triple
-from hal.sim.skyline import Skyline
 from vencejo.geometry import distance
 
 REST = 0.1

@@ -21,11 +21,11 @@ Pose = tuple[Point, Quaternion]
 
 RENDERERS = {
     "raster": "hal.raster:Raster",
-    "tiny": "hal.sim.bullet_view:TinyView",
-    "egl": "hal.sim.bullet_view:EglView",
+    "tiny": "hal.sim.bullet_renderers:TinyView",
+    "egl": "hal.sim.bullet_renderers:EglView",
 }
 """By name, the modules that have them: none is imported before a picture is wanted."""
-_WINDOW = "hal.sim.bullet_view:show"
+_WINDOW = "hal.sim.bullet_renderers:show"
 
 
 class Renderer(Protocol):

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.spans import outlines, spans
-from hal.raster.textures import Picture, load_picture
+from hal.scene.scanlines import outlines, spans
+from hal.scene.textures import Picture, load_picture
 from vencejo.seeds import generator
 from worlds.model import Ground
 from worlds.things import Color, Stripe

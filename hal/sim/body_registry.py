@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from hal.sim.collision_shapes import Piece
 from hal.sim.physics import Triple
-from hal.sim.shapes import Piece
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import distance_to
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.raster.spans import Spans
+from hal.scene.scanlines import Spans
 
 Pixels = NDArray[np.uint8]
 

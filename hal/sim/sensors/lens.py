@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.sim.cameras import CameraSpec
+from hal.sim.sensors.camera import CameraSpec
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
 from vencejo.seeds import generator

@@ -13,7 +13,7 @@ from functools import cached_property
 from math import ceil, floor, isfinite, pi
 from typing import TYPE_CHECKING, Any
 
-from hal.rendering import Pose, Renderer, open_renderer
+from hal.renderers import Pose, Renderer, open_renderer
 from hal.sim.physics import STEP, State
 from hal.vehicle import Frame, Intrinsics
 from vencejo.errors import UserError, nearest
@@ -31,7 +31,7 @@ from worlds.model import World
 from worlds.things import Thing
 
 if TYPE_CHECKING:
-    from hal.sim.optics import Optics
+    from hal.sim.sensors.lens import Optics
 
 _SLOWEST, _FASTEST = 1.0, 240.0
 """Pictures per second: a picture needs a physics step of its own."""
@@ -226,7 +226,7 @@ class SimCamera:
 
     def _take(self, sequence: int, step: int, ago: int) -> Frame:
         if self._optics is None:
-            from hal.sim.optics import Optics
+            from hal.sim.sensors.lens import Optics
 
             names = self._vehicle, f"camera.{self._name}"
             self._optics = Optics(self._spec, self._studio.seed, names)
