@@ -23,7 +23,7 @@ from cli.prepare import prepare
 from cli.recorder import Recorder
 from fsm import parse_parameters
 from hal.sim.bullet import Bullet
-from hal.sim.obstacle_heights import Skyline
+from hal.sim.obstacle_heights import ObstacleHeightGrid
 from vencejo.seeds import generator
 from worlds import load_world
 
@@ -136,7 +136,7 @@ def loading(folder: Path) -> dict[str, float]:
         between = perf_counter()
         physics = Bullet()
         physics.add_things(world.things, world.ground.terrain)
-        Skyline(world.things, world.ground.terrain)
+        ObstacleHeightGrid(world.things, world.ground.terrain)
         building.append(perf_counter() - between)
         reading.append(between - begin)
         physics.close()

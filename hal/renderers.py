@@ -1,14 +1,20 @@
-"""Renderers: what turns a world and a camera's pose into a picture, found by name."""
+"""Renderers by name: each is an entry point ``vencejo.renderers`` that opens a world.
+
+A renderer turns a world and a camera's pose into an image. Its entry point names what is called as
+``(world, vehicles, shadows)`` and returns a :class:`Renderer`; none is imported before an image is
+wanted.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
+from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol
 
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, nearest
-from vencejo.geometry import Point, Quaternion
+from vencejo.geometry import Pose
 from worlds.model import World
 from worlds.things import Thing
 
@@ -16,62 +22,65 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Pose = tuple[Point, Quaternion]
-"""Of a camera, optical axes (x right, y down, z out) to world; of a thing, its own to world."""
-
-RENDERERS = {
-    "raster": "hal.raster:Raster",
-    "tiny": "hal.sim.bullet_renderers:TinyView",
-    "egl": "hal.sim.bullet_renderers:EglView",
-}
-"""By name, the modules that have them: none is imported before a picture is wanted."""
+GROUP = "vencejo.renderers"
 _WINDOW = "hal.sim.bullet_renderers:show"
 
 
 class Renderer(Protocol):
-    """Takes pictures of one world."""
+    """Renders images of one world."""
 
     def render(
         self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
     ) -> NDArray[np.uint8]:
-        """A BGR picture (height, width, 3) of a pinhole camera; distortion is left out.
+        """A BGR image (height, width, 3) of a pinhole camera; distortion is left out.
 
-        Moving things stand where they are at ``time``. Of the vehicles that the renderer knows,
-        those with a pose are seen.
+        ``pose`` is the camera's: its optical axes (x right, y down, z out) to world. Moving things
+        stand where they are ``time`` seconds after the run began. Of the vehicles that the renderer
+        was opened with, those with a pose (body to world) are seen.
         """
 
     def close(self) -> None:
         """Give its memory back."""
 
 
+def renderer_names() -> list[str]:
+    """The renderers that are installed."""
+    return sorted({point.name for point in entry_points(group=GROUP)})
+
+
 def check_renderer(name: object) -> str:
-    """The name of a renderer. Raises UserError (``unknown-renderer``)."""
-    if not isinstance(name, str) or name not in RENDERERS:
-        raise UserError(
-            "unknown-renderer",
-            f"there is no renderer '{name}'",
-            hint=nearest(str(name), RENDERERS),
-        )
+    """The name of an installed renderer. Raises UserError (``unknown-renderer``)."""
+    if not isinstance(name, str) or name not in renderer_names():
+        raise _unknown(name)
     return name
 
 
 def open_renderer(
     name: str, world: World, vehicles: Mapping[str, Thing], *, shadows: bool = False
 ) -> Renderer:
-    """A renderer of a world and of the looks of the vehicles in it.
+    """Open a renderer on a world.
 
-    ``shadows``: what stands on the ground darkens it. Raises UserError for a name that is none,
-    a texture that cannot be read, or a renderer that does not run here.
+    ``vehicles``: the appearance of each, by its name. ``shadows``: what stands on the ground
+    darkens it. Raises UserError for a name that is none (``unknown-renderer``), a texture that
+    cannot be read, or a renderer that does not run on this machine.
     """
-    opened: Renderer = _named(RENDERERS[check_renderer(name)])(world, vehicles, shadows)
-    return opened
+    for point in entry_points(group=GROUP):
+        if point.name == name:
+            renderer: Renderer = point.load()(world, vehicles, shadows)
+            return renderer
+    raise _unknown(name)
 
 
 def show_window(world: World) -> None:
-    """Show a world in a window, until that is closed. Raises UserError without a display."""
-    _named(_WINDOW)(world)
+    """Show a world in a window until that is closed. Raises UserError without a display."""
+    module, _, attribute = _WINDOW.partition(":")
+    show: Any = getattr(import_module(module), attribute)
+    show(world)
 
 
-def _named(place: str) -> Any:
-    module, _, attribute = place.partition(":")
-    return getattr(import_module(module), attribute)
+def _unknown(name: object) -> UserError:
+    return UserError(
+        "unknown-renderer",
+        f"there is no renderer '{name}'",
+        hint=nearest(str(name), renderer_names()),
+    )

@@ -1,7 +1,7 @@
-"""Solids: what the renderer orders and draws, made from the parts of things.
+"""Surfaces: the faces of things and of terrain, which renderers draw.
 
-A solid is convex (or a mesh that is not, which is drawn with depth per pixel). Its faces are flat
-convex polygons, counter-clockwise seen from outside.
+The faces of a surface are flat convex polygons, counter-clockwise seen from outside. A sphere is
+kept as it is, since what is seen of it depends on the eye.
 """
 
 from __future__ import annotations
@@ -12,20 +12,19 @@ from itertools import pairwise
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hal.scene.textures import Painted
-from vencejo.geometry import Quaternion
+from hal.scene.arrays import Float64s
+from hal.scene.textures import Bitmap
+from hal.scene.transforms import rotation_matrix
 from worlds.things import Color, Cuboid, Cylinder, Mesh, Part, Plate, Sphere, Terrain, Texture
 
-Array = NDArray[np.float64]
-
-CYLINDER_SIDES = 24
-OUTLINE = 48
-"""Corners of the outline that a sphere is drawn as."""
-_SUNKEN_RINGS = 16
-"""Of a ball that the ground cuts."""
-_FLAT = 1e-7
+SPHERE_CORNERS = 48
+"""Corners of the polygon that a sphere's outline is drawn as."""
+_CYLINDER_SIDES = 24
+_CUT_SPHERE_RINGS = 16
+"""Rings of the mesh that stands for a sphere cut by the ground."""
+_TOLERANCE = 1e-7
+"""Distances below this count as none: metres, or a share of a mesh's size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,61 +32,55 @@ class Face:
     """A flat convex polygon."""
 
     corners: tuple[int, ...]
-    """Indices of the solid's vertices."""
+    """Indices of the surface's vertices."""
     color: Color
-    texture: Texture | Painted | None = None
-    frame: Array | None = None
-    """Of a textured face: the texture's upper left corner, the vector along its upper edge and the
-    one down its left edge, all in the face's plane."""
+    texture: Texture | Bitmap | None = None
+    texture_frame: Float64s | None = None
+    """Of a textured face, (3, 3): the texture's upper left corner, the vector along its upper edge
+    and the one down its left edge, all in the plane of the face."""
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
-    """A piece of a thing, in a frame that the one who made it knows; metres."""
+class Surface:
+    """The surface of one part of a thing, or of terrain, metres."""
 
-    vertices: Array
+    vertices: Float64s
     """(n, 3)."""
     faces: tuple[Face, ...]
     convex: bool = True
-    sphere: float = 0.0
-    """Radius of a ball about the only vertex; 0 for all else."""
+    """Whether a convex solid is what it bounds."""
+    sphere_radius: float = 0.0
+    """Of a sphere about the only vertex; 0 for everything else."""
 
 
-def rotation(q: Quaternion) -> Array:
-    """The matrix that turns local vectors (columns) into the outer frame's."""
-    x, y, z, w = q
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def surface_of(part: Part) -> Surface:
+    """The surface of a part, in the frame of its thing."""
+    return placed(_own_surface(part), rotation_matrix(part.attitude), np.array(part.at))
 
 
-def solid_of(part: Part) -> Solid:
-    """The solid of a part, in the frame of its thing."""
-    solid = _local(part)
-    return placed(solid, rotation(part.attitude), np.array(part.at))
-
-
-def placed(solid: Solid, turn: Array, at: Array) -> Solid:
-    """The same solid seen from an outer frame."""
+def placed(surface: Surface, rotation: Float64s, origin: Float64s) -> Surface:
+    """The surface in an outer frame, where its own frame has that rotation (3 × 3) and origin."""
     faces = tuple(
         face
-        if face.frame is None
+        if face.texture_frame is None
         else Face(
             face.corners,
             face.color,
             face.texture,
-            np.vstack([turn @ face.frame[0] + at, face.frame[1:] @ turn.T]),
+            np.vstack(
+                [rotation @ face.texture_frame[0] + origin, face.texture_frame[1:] @ rotation.T]
+            ),
         )
-        for face in solid.faces
+        for face in surface.faces
     )
-    return Solid(solid.vertices @ turn.T + at, faces, solid.convex, solid.sphere)
+    vertices = surface.vertices @ rotation.T + origin
+    return Surface(vertices, faces, surface.convex, surface.sphere_radius)
 
 
-def _local(part: Part) -> Solid:
+# The shapes of parts, each in its own frame.
+
+
+def _own_surface(part: Part) -> Surface:
     shape, color = part.shape, part.color
     if isinstance(shape, Cuboid):
         return _cuboid(shape, color, part.texture)
@@ -96,11 +89,14 @@ def _local(part: Part) -> Solid:
     if isinstance(shape, Cylinder):
         return _cylinder(shape, color)
     if isinstance(shape, Sphere):
-        return Solid(np.zeros((1, 3)), (Face((0,) * OUTLINE, color),), sphere=shape.radius)
+        face = Face((0,) * SPHERE_CORNERS, color)
+        return Surface(np.zeros((1, 3)), (face,), sphere_radius=shape.radius)
     return _mesh(shape, color)
 
 
-def _quad(vertices: Array, corners: tuple[int, ...], color: Color, texture: Texture | None) -> Face:
+def _rectangle(
+    vertices: Float64s, corners: tuple[int, ...], color: Color, texture: Texture | None
+) -> Face:
     """A rectangle by its lower left, lower right, upper right and upper left corner."""
     if texture is None:
         return Face(corners, color)
@@ -108,65 +104,74 @@ def _quad(vertices: Array, corners: tuple[int, ...], color: Color, texture: Text
     return Face(corners, color, texture, np.stack([left, right - left, lower - left]))
 
 
-def _cuboid(shape: Cuboid, color: Color, texture: Texture | None) -> Solid:
+def _cuboid(shape: Cuboid, color: Color, texture: Texture | None) -> Surface:
     x, y, z = (side / 2 for side in shape.size)
     vertices = np.array([[a, b, c] for c in (-z, z) for b in (-y, y) for a in (-x, x)])
     # Lower left first, seen from outside; on the sides +z is up, on top and below +y is.
-    around = ((0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6), (4, 5, 7, 6), (1, 0, 2, 3))
-    return Solid(vertices, tuple(_quad(vertices, face, color, texture) for face in around))
+    sides = ((0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6), (4, 5, 7, 6), (1, 0, 2, 3))
+    return Surface(vertices, tuple(_rectangle(vertices, side, color, texture) for side in sides))
 
 
-def _plate(shape: Plate, color: Color, texture: Texture | None) -> Solid:
+def _plate(shape: Plate, color: Color, texture: Texture | None) -> Surface:
     x, y = shape.width / 2, shape.height / 2
     vertices = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
-    return Solid(vertices, (_quad(vertices, (0, 1, 2, 3), color, texture),))
+    return Surface(vertices, (_rectangle(vertices, (0, 1, 2, 3), color, texture),))
 
 
-def _cylinder(shape: Cylinder, color: Color) -> Solid:
-    n, r, z = CYLINDER_SIDES, shape.radius, shape.height / 2
+def _cylinder(shape: Cylinder, color: Color) -> Surface:
+    n, r, z = _CYLINDER_SIDES, shape.radius, shape.height / 2
     ring = [(r * cos(2 * pi * k / n), r * sin(2 * pi * k / n)) for k in range(n)]
     vertices = np.array([(x, y, h) for h in (-z, z) for x, y in ring])
     sides = [Face((a, b, b + n, a + n), color) for a, b in pairwise([*range(n), 0])]
     caps = [Face(tuple(range(n, 2 * n)), color), Face(tuple(reversed(range(n))), color)]
-    return Solid(vertices, (*sides, *caps))
+    return Surface(vertices, (*sides, *caps))
 
 
-def _mesh(shape: Mesh, color: Color) -> Solid:
+def _mesh(shape: Mesh, color: Color) -> Surface:
     vertices = np.asarray(shape.vertices, np.float64)
     faces = np.asarray(shape.faces)
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1)
+    # Triangles without area have no normal and are left out.
     faces, a, normals = faces[lengths > 0], a[lengths > 0], normals[lengths > 0]
     normals /= lengths[lengths > 0, None]
-    reach = float(np.abs(vertices).max(initial=1.0))
+    # It is convex when no vertex lies outside the plane of any face.
+    size = float(np.abs(vertices).max(initial=1.0))
     heights = normals @ vertices.T - np.einsum("ij,ij->i", normals, a)[:, None]
-    convex = bool((heights <= _FLAT * reach).all())
+    convex = bool((heights <= _TOLERANCE * size).all())
     corners = [tuple(int(corner) for corner in face) for face in faces]
-    return Solid(vertices, tuple(Face(corner, color) for corner in corners), convex)
+    return Surface(vertices, tuple(Face(corner, color) for corner in corners), convex)
 
 
-def ball(radius: float, rings: int) -> Mesh:
-    """A sphere as triangles between circles of latitude, each with twice as many corners."""
+def sphere_mesh(radius: float, rings: int) -> Mesh:
+    """A sphere as triangles: ``rings`` bands between circles of latitude of 2 × ``rings`` corners.
+
+    ``radius`` is in metres.
+    """
     around = 2 * rings
     south, east = np.meshgrid(
         np.linspace(0, pi, rings + 1),
         np.linspace(0, 2 * pi, around, endpoint=False),
         indexing="ij",
     )
-    at = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
-    ring, slice_ = np.divmod(np.arange(rings * around), around)
-    a, b = ring * around + slice_, ring * around + (slice_ + 1) % around
-    # At the poles one of the two has no area.
+    unit = np.stack([np.sin(south) * np.cos(east), np.sin(south) * np.sin(east), np.cos(south)], -1)
+    ring, place = np.divmod(np.arange(rings * around), around)
+    a, b = ring * around + place, ring * around + (place + 1) % around
+    # A cell between two circles is two triangles; at the poles one of them has no area.
     lower = np.stack([a, a + around, b + around], 1)[:-around]
     upper = np.stack([a, b + around, b], 1)[around:]
-    return Mesh(radius * at.reshape(-1, 3), np.concatenate([lower, upper]).astype(np.int32))
+    return Mesh(radius * unit.reshape(-1, 3), np.concatenate([lower, upper]).astype(np.int32))
 
 
-def relief_of(terrain: Terrain, color: Color, texture: Painted | None = None) -> Solid:
-    """The surface of a height field, two triangles to a cell as :func:`height_at` has them.
+# Terrain.
 
-    ``texture`` lies over all of it, north up.
+
+def terrain_surface(terrain: Terrain, color: Color, texture: Bitmap | None = None) -> Surface:
+    """The surface of a height field, two triangles to a cell.
+
+    A cell is split as :func:`worlds.terrain.height_at` has it. ``texture`` lies over all of it,
+    north up.
     """
     heights = np.array(terrain.heights, float)
     rows, columns = heights.shape
@@ -177,53 +182,78 @@ def relief_of(terrain: Terrain, color: Color, texture: Painted | None = None) ->
     vertices = np.stack([east, north, heights], -1).reshape(-1, 3)
     row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     corner = (row * columns + column).ravel().tolist()
-    faces = [
-        Face(face, color, texture, None if texture is None else _frame_over(vertices, face, half))
+    triangles = [
+        triangle
         for a in corner
-        for face in ((a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns))
+        for triangle in ((a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns))
     ]
-    return Solid(vertices, tuple(faces), convex=False)
+    faces = [
+        Face(corners, color)
+        if texture is None
+        else Face(corners, color, texture, _frame_from_above(vertices[list(corners)], half))
+        for corners in triangles
+    ]
+    return Surface(vertices, tuple(faces), convex=False)
 
 
-def _frame_over(vertices: Array, triangle: tuple[int, ...], half: float) -> Array:
-    """The frame, in the plane of a triangle, of a texture on the square above and below it."""
-    a, b, c = vertices[list(triangle)]
-    x, y, z = np.cross(b - a, c - a)
-    east, north = -x / z, -y / z
-    corner = np.array([-half, half, a[2] + east * (-half - a[0]) + north * (half - a[1])])
-    side = 2 * half
-    return np.stack([corner, [side, 0.0, side * east], [0.0, -side, -side * north]])
+def _frame_from_above(triangle: Float64s, half: float) -> Float64s:
+    """The frame, in the plane of a triangle (3, 3), of a texture that is projected straight down.
 
-
-def above(solid: Solid, level: float) -> Solid | None:
-    """What of a solid stands out of the ground; None for nothing.
-
-    The face that the cut leaves is not made: nobody above the ground can see it.
+    The texture covers a square about the origin with half of that side, metres.
     """
-    heights = solid.vertices[:, 2] - level
-    if solid.sphere:
-        if abs(heights[0]) >= solid.sphere - _FLAT:
-            return solid if heights[0] > 0 else None
-        # The disc that a whole ball is drawn as would show what is below the ground.
-        whole = _mesh(ball(solid.sphere, _SUNKEN_RINGS), solid.faces[0].color)
-        return above(Solid(whole.vertices + solid.vertices, whole.faces), level)
-    if heights.min() >= -_FLAT:
-        return solid
-    if heights.max() <= _FLAT:
+    a, b, c = triangle
+    x, y, z = np.cross(b - a, c - a)
+    slope_east, slope_north = -x / z, -y / z
+    height = a[2] + slope_east * (-half - a[0]) + slope_north * (half - a[1])
+    side = 2 * half
+    return np.stack(
+        [
+            np.array([-half, half, height]),
+            [side, 0.0, side * slope_east],
+            [0.0, -side, -side * slope_north],
+        ]
+    )
+
+
+# Geometry of faces.
+
+
+def part_above(surface: Surface, level: float) -> Surface | None:
+    """The part of a surface that lies above a height; None where there is none.
+
+    The hole that the cut leaves is not closed: an eye above that height cannot look into it.
+    """
+    heights = surface.vertices[:, 2] - level
+    if surface.sphere_radius:
+        if abs(heights[0]) >= surface.sphere_radius - _TOLERANCE:
+            return surface if heights[0] > 0 else None
+        # The disc that a whole sphere is drawn as would show what is below the ground.
+        whole = _mesh(sphere_mesh(surface.sphere_radius, _CUT_SPHERE_RINGS), surface.faces[0].color)
+        return part_above(Surface(whole.vertices + surface.vertices, whole.faces), level)
+    if heights.min() >= -_TOLERANCE:
+        return surface
+    if heights.max() <= _TOLERANCE:
         return None
-    vertices = [vertex for vertex in solid.vertices if vertex[2] >= level]
+    vertices = [vertex for vertex in surface.vertices if vertex[2] >= level]
     faces = []
-    for face in solid.faces:
-        polygon = cut(solid.vertices[list(face.corners)], np.array([0.0, 0.0, 1.0]), level)
+    for face in surface.faces:
+        polygon = clip_polygon(
+            surface.vertices[list(face.corners)], np.array([0.0, 0.0, 1.0]), level
+        )
         if len(polygon) >= 3:
             corners = tuple(range(len(vertices), len(vertices) + len(polygon)))
             vertices.extend(polygon)
-            faces.append(Face(corners, face.color, face.texture, face.frame))
-    return Solid(np.array(vertices), tuple(faces), solid.convex)
+            faces.append(Face(corners, face.color, face.texture, face.texture_frame))
+    return Surface(np.array(vertices), tuple(faces), surface.convex)
 
 
-def cut(polygon: Array | Sequence[Array], normal: Array, offset: float) -> list[Array]:
-    """The part of a convex polygon where ``normal`` · p ≥ ``offset`` (Sutherland and Hodgman)."""
+def clip_polygon(
+    polygon: Float64s | Sequence[Float64s], normal: Float64s, offset: float
+) -> list[Float64s]:
+    """The corners of the part of a convex polygon where ``normal`` · p ≥ ``offset``.
+
+    I. E. Sutherland, G. W. Hodgman, *Reentrant polygon clipping*, 1974.
+    """
     points = list(polygon)
     heights = [float(normal @ point) - offset for point in points]
     kept = []
@@ -236,8 +266,8 @@ def cut(polygon: Array | Sequence[Array], normal: Array, offset: float) -> list[
     return kept
 
 
-def normals_of(vertices: Array, faces: Iterable[Face]) -> Array:
-    """Outward unit normals by Newell's formula, (n, 3)."""
+def face_normals(vertices: Float64s, faces: Iterable[Face]) -> Float64s:
+    """Outward unit normals of faces by Newell's formula, (n, 3); up where a face has no area."""
     found = []
     for face in faces:
         points = vertices[list(face.corners)]

@@ -1,4 +1,4 @@
-"""What the bodies in Bullet are: whose surface is at a place, and how it moves there."""
+"""The things behind Bullet's bodies: whose surface is at a place, and how it moves there."""
 
 from __future__ import annotations
 
@@ -10,48 +10,47 @@ from hal.sim.physics import Triple
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import distance_to
 
-_CELLS = 50
-"""A metre in cells of two centimetres."""
+_CELLS_PER_METRE = 50
 
 
-class Solid(NamedTuple):
+class BodyPieces(NamedTuple):
     """What a body consists of; the ground has no pieces."""
 
     pieces: Sequence[Piece] = ()
     moves: bool = False
+    """The pieces of a body that moves are all of one thing."""
 
 
-class Register:
-    """The bodies by Bullet's numbers."""
+class BodyRegistry:
+    """What each body consists of, by Bullet's number of the body."""
 
     def __init__(self, p: Any, client: int) -> None:
         self._p, self._client = p, client
-        self._solids: dict[int, Solid] = {}
-        self._found: dict[tuple[int, ...], str] = {}
-        """Names by body and cell."""
+        self._bodies: dict[int, BodyPieces] = {}
+        self._names: dict[tuple[int, ...], str] = {}
+        """Names found before, by body and cell of space."""
 
-    def add(self, body: int, solid: Solid) -> None:
-        self._solids[body] = solid
+    def add(self, body: int, pieces: BodyPieces) -> None:
+        self._bodies[body] = pieces
 
     def name_at(self, body: int, place: Triple) -> str:
-        """The name of the thing whose surface is at a place; empty for the ground.
+        """The name of the thing whose surface is at a place (world frame); empty for the ground.
 
-        A contact does not tell which shape of a body it is with, so its place has to. The pieces
-        of a body that moves are all of one thing.
+        Bullet does not tell which shape of a body a contact is with: it is the nearest one.
         """
-        pieces, moves = self._solids[body]
+        pieces, moves = self._bodies[body]
         if len(pieces) <= 1 or moves:
             return pieces[0].name if pieces else ""
-        # What presses against a thing touches it in the same places, step after step.
-        cell = (body, *(round(v * _CELLS) for v in place))
-        if cell not in self._found:
+        # A vehicle that presses against a thing touches it in the same places, step after step.
+        cell = (body, *(round(v * _CELLS_PER_METRE) for v in place))
+        if cell not in self._names:
             there = Point(*place)
-            self._found[cell] = min(pieces, key=lambda piece: _distance(piece, there)).name
-        return self._found[cell]
+            self._names[cell] = min(pieces, key=lambda piece: _distance(piece, there)).name
+        return self._names[cell]
 
     def velocity_at(self, body: int, place: Triple) -> Triple:
-        """How a body moves at a place, m/s."""
-        if not self._solids[body].moves:
+        """The velocity of a body at a place (world frame), m/s."""
+        if not self._bodies[body].moves:
             return 0.0, 0.0, 0.0
         (x, y, z), _ = self._p.getBasePositionAndOrientation(body, self._client)
         (u, v, w), (a, b, c) = self._p.getBaseVelocity(body, self._client)

@@ -1,32 +1,33 @@
-"""Collisions of a vehicle: each touch once, when it begins."""
+"""Contact debouncing: each collision of a vehicle is reported once, when it begins."""
 
 from __future__ import annotations
 
-_PARTED = 20
-"""Mission periods without contact after which the next one is a new touch: 0.5 s. What leans on a
-wall trembles there."""
+_RELEASE = 20
+"""Mission periods without contact after which the next one is a new collision: 0.5 s. A vehicle
+that leans on a wall bounces off it and back again and again in less."""
 
 
-class Bumps:
-    """Keeps what is being touched, beside what carries the vehicle."""
+class ContactDebouncer:
+    """Turns the contacts of physics steps into collisions of mission periods."""
 
     def __init__(self) -> None:
         self.new: tuple[str, ...] = ()
-        """What was first touched in the period that ended last."""
-        self._felt: dict[str, None] = {}
-        """In order; a set has none."""
-        self._left: dict[str, int] = {}
-        """How long each touch would still count as the same one, in periods."""
+        """Names of what the vehicle began to touch in the period that ended last."""
+        self._touched: dict[str, None] = {}
+        """Names of what it touched in this period, in the order of contact."""
+        self._periods_left: dict[str, int] = {}
+        """For how many more periods a contact with that name is no new collision."""
 
-    def feel(self, names: tuple[str, ...]) -> None:
-        """Take in what is being touched after a physics step."""
-        self._felt.update(dict.fromkeys(names))
+    def add(self, names: tuple[str, ...]) -> None:
+        """Take in the names of what is in contact after a physics step."""
+        self._touched.update(dict.fromkeys(names))
 
     def end_period(self) -> None:
-        if not self._felt and not self._left:
+        """End a mission period: :attr:`new` is then its collisions."""
+        if not self._touched and not self._periods_left:
             self.new = ()
             return
-        self.new = tuple(name for name in self._felt if name not in self._left)
-        kept = {name: left - 1 for name, left in self._left.items() if left > 1}
-        self._left = kept | dict.fromkeys(self._felt, _PARTED)
-        self._felt = {}
+        self.new = tuple(name for name in self._touched if name not in self._periods_left)
+        running = {name: left - 1 for name, left in self._periods_left.items() if left > 1}
+        self._periods_left = running | dict.fromkeys(self._touched, _RELEASE)
+        self._touched = {}
