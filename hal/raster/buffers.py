@@ -25,10 +25,10 @@ from vencejo.geometry import Pose
 
 @dataclass(frozen=True, eq=False)
 class _Slices:
-    """Where the geometry of one moving thing lies in the arrays."""
+    """The rows of one moving thing in the arrays."""
 
     key: str
-    """Of the thing in the scene."""
+    """The thing's key in the scene."""
     surfaces: slice
     vertices: slice
     faces: slice
@@ -119,7 +119,7 @@ class GeometryBuffers:
         self.normals = self.own_normals.copy()
         """Outward unit normals of faces, (m, 3)."""
         self.offsets = self._plane_offsets(slice(None))
-        """Of the plane of each face, metres: the plane is where normal · p is the offset."""
+        """Offsets of the planes of faces, metres: a plane is where normal · p is its offset."""
         self.colors = np.array([face.color for face in self.faces], float).reshape(-1, 3)
         """Red, green and blue of faces, (m, 3)."""
         framed = [k for k, face in enumerate(self.faces) if face.texture_frame is not None]
@@ -137,7 +137,7 @@ class GeometryBuffers:
         self._spheres = np.flatnonzero(self.sphere_radius)
         self.convex = np.array([surface.convex for surface in self.surfaces], bool)
         self.centers = np.zeros((count, 3))
-        """Of the bounding sphere of each surface, (n, 3)."""
+        """Centres of the bounding spheres of surfaces, (n, 3)."""
         self.bounding_radius = np.zeros(count)
         self.boxes = np.zeros((count, 6))
         """Lowest and highest x, y, z of each surface, (n, 6)."""
@@ -226,7 +226,7 @@ class GeometryBuffers:
             self.offsets[face] = normal @ disc[0]
 
     def side(self, a: int, b: int, eye: Float64s) -> int:
-        """Whether surface a is in front of b (1), behind it (−1), or neither can be told (0)."""
+        """1 when surface a is in front of b for an eye, −1 when it is behind, 0 when neither."""
         if not (self.convex[a] and self.convex[b]):
             return 0
         plane = self._plane_between(a, b)

@@ -57,7 +57,10 @@ class PinholeCamera:
         return clip_polygon(polygon, _AHEAD, NEAR)
 
     def may_see(self, centers: Float64s, radii: Float64s) -> Bools:
-        """Which spheres, (n, 3) and (n,), world frame, reach into the field of view."""
+        """A mask of the spheres that reach into the field of view.
+
+        Centres (n, 3) and radii (n,) are in the world frame, metres.
+        """
         x, y, z = self.to_camera(centers).T
         m = self.matrix
         seen = z > NEAR - radii

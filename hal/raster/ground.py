@@ -37,7 +37,7 @@ class Band:
     polygon: _Polygon
     """Convex."""
     level: int | None
-    """Of the ground's tiles; None for ground of one colour, at the horizon."""
+    """The level of detail of the tiles; None for ground of one colour, at the horizon."""
 
     @property
     def corners(self) -> Float64s:
@@ -51,10 +51,10 @@ class GroundProjection:
     def __init__(self, camera: PinholeCamera) -> None:
         eye = camera.eye
         self.height = float(eye[2])
-        """Of the camera above the ground, metres; at 0 and below nothing of the ground is seen."""
+        """The camera's height above the ground, metres; at 0 and below it sees nothing of it."""
         rays = camera.rotation @ cv2.invert(camera.matrix)[1]
         self._fall = -rays[2]
-        """How far a ray of depth 1 falls: scalar product with (x, y, 1), metres."""
+        """Scalar product with (x, y, 1): the fall of a ray of depth 1 through a pixel, metres."""
         to_ground = np.stack(
             [
                 eye[0] * rays[2] - self.height * rays[0],
@@ -128,9 +128,9 @@ class _Patch:
     """Tiles of one level that lie together, as one image."""
 
     column: int
-    """Of the western tiles."""
+    """The column of its western tiles."""
     row: int
-    """Of the southern tiles."""
+    """The row of its southern tiles."""
     columns: int
     rows: int
     texels: Pixels

@@ -37,7 +37,7 @@ class _Polygons:
     """The faces that are seen, as polygons of the image, in the order of their surfaces."""
 
     faces: Int64s
-    """Of each polygon, the number of its face in the buffers."""
+    """For each polygon, the number of its face in the buffers."""
     points: Float64s
     """Corners of all, (n, 2), pixels."""
     starts: Int64s
@@ -49,12 +49,12 @@ _NOTHING = _Polygons(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(1, np.int
 
 @dataclass(frozen=True, eq=False)
 class _Shading:
-    """Of each polygon, how it is shown."""
+    """The light on each polygon."""
 
     brightness: Float64s
-    """What its colour or texture is multiplied by, 0 to 1."""
+    """Factors of colours and textures, 0 to 1, (n,)."""
     colors: Float64s
-    """Its colour made that bright, (n, 4), BGRA."""
+    """Colours times those factors, (n, 4), BGRA."""
 
 
 class Raster:

@@ -1,5 +1,6 @@
-"""What every renderer needs of a world: surfaces, textures, ground tiles, shadows, appearances.
+"""Geometry and textures of a world, for every renderer.
 
-Nothing here draws a picture: :mod:`hal.raster` and pybullet's renderers do, and both start from
-these modules. They need numpy and OpenCV, so nothing imports them before a picture is wanted.
+Surfaces, textures, ground tiles, shadows and the appearance of vehicles; the renderers
+(:mod:`hal.raster`, pybullet's, and others by entry point) begin with them. Most of it needs numpy
+and OpenCV, so nothing imports that before an image is wanted.
 """

@@ -1,4 +1,4 @@
-"""What a renderer shows of a world: its things and the vehicles that fly in it."""
+"""The things of a world and the vehicles in it, as a renderer shows them."""
 
 from __future__ import annotations
 

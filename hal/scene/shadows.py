@@ -8,7 +8,7 @@ import numpy as np
 from hal.scene.arrays import Float64s
 
 _LEAST_HEIGHT = 0.02
-"""What reaches less high above the ground casts no shadow, metres."""
+"""Things that reach less high above the ground cast no shadow, metres."""
 _LOWEST_SUN = 0.05
 """Sine of the sun's height: below it there are no shadows."""
 

@@ -36,8 +36,8 @@ class Face:
     color: Color
     texture: Texture | Bitmap | None = None
     texture_frame: Float64s | None = None
-    """Of a textured face, (3, 3): the texture's upper left corner, the vector along its upper edge
-    and the one down its left edge, all in the plane of the face."""
+    """The place of the texture in the plane of the face, (3, 3): its upper left corner, the vector
+    along its upper edge and the one down its left edge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +48,9 @@ class Surface:
     """(n, 3)."""
     faces: tuple[Face, ...]
     convex: bool = True
-    """Whether a convex solid is what it bounds."""
+    """Whether it bounds a convex solid."""
     sphere_radius: float = 0.0
-    """Of a sphere about the only vertex; 0 for everything else."""
+    """Above 0 for a sphere about the only vertex."""
 
 
 def surface_of(part: Part) -> Surface:

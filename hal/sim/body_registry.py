@@ -14,7 +14,7 @@ _CELLS_PER_METRE = 50
 
 
 class BodyPieces(NamedTuple):
-    """What a body consists of; the ground has no pieces."""
+    """The collision shapes of a body; the ground has none."""
 
     pieces: Sequence[Piece] = ()
     moves: bool = False
@@ -22,7 +22,7 @@ class BodyPieces(NamedTuple):
 
 
 class BodyRegistry:
-    """What each body consists of, by Bullet's number of the body."""
+    """The pieces of each body, by Bullet's number of the body."""
 
     def __init__(self, p: Any, client: int) -> None:
         self._p, self._client = p, client

@@ -209,7 +209,7 @@ class Bullet:
 
 
 class BulletRayHits:
-    """What rays hit (see :class:`hal.sim.physics.RayHits`); names are found when asked for."""
+    """Ray hits (see :class:`hal.sim.physics.RayHits`) whose names are found when asked for."""
 
     def __init__(self, distances: Sequence[float], hits: Any, registry: BodyRegistry) -> None:
         self.distances = distances

@@ -36,14 +36,14 @@ _LARGEST_NEAR = 5.0
 _PLAIN_HEIGHT = -0.02
 """Height of the plain ground outside the coloured square, metres."""
 _OUT_OF_SIGHT: Pose = (Point(0.0, 0.0, -1000.0), UPRIGHT)
-"""Where vehicles are put that are not to be seen."""
+"""The place of vehicles that are not to be seen."""
 
 
 class BulletRenderer:
     """A world in a pybullet of its own, to be looked at (see :class:`hal.renderers.Renderer`)."""
 
     pixel_offset = 0.0
-    """How far right and down of a pixel's centre this renderer samples, pixels."""
+    """Offset of this renderer's samples from the centres of pixels, right and down, pixels."""
     near = 0.05
     """Least depth of the near plane, metres."""
 

@@ -12,7 +12,7 @@ REST = 0.1
 _SETTLED, _SETTLED_ON_AN_EDGE = 10, 40
 """Mission periods at rest that end a landing: with ground below the middle, and without."""
 _FARTHEST_GROUND = 1000.0
-"""How far down the ground is looked for, metres."""
+"""The ground is looked for this far down, metres."""
 
 
 class ContactTracker:

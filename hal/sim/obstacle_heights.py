@@ -15,9 +15,9 @@ from worlds.things import Terrain, Thing
 _CELL = 2.0
 """Side of a cell, metres."""
 _MARGIN = 0.6
-"""How far a vehicle reaches and flies in one mission period, metres."""
+"""A vehicle's half width and its way in one mission period, metres."""
 _LARGEST = 200.0
-"""What is longer than this, metres, counts in every cell."""
+"""Obstacles longer than this, metres, count in every cell."""
 
 
 class ObstacleHeightGrid:

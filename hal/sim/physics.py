@@ -29,7 +29,7 @@ class Contacts(NamedTuple):
 
 
 class RayHits(Protocol):
-    """What a batch of rays hit first, by the number of the ray."""
+    """The first hit of each ray of a batch, by the number of the ray."""
 
     @property
     def distances(self) -> Sequence[float]:
@@ -89,7 +89,7 @@ class Physics(Protocol):
         """The place where a ray first hits the ground or a thing; it passes through free bodies."""
 
     def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> RayHits:
-        """What many rays hit first, as :meth:`ray`."""
+        """The first hits of many rays, as :meth:`ray`."""
 
     def close(self) -> None:
         """Give the engine's memory back."""

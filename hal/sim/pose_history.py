@@ -1,4 +1,4 @@
-"""Where a body was at the last physics steps: sensors show the moment of their capture."""
+"""The poses of a vehicle at the last physics steps, for sensors that captured in the past."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class Settings:
     """On every vehicle."""
     renderer: str
     shadows: bool
-    """Whether what stands on the ground darkens it in pictures."""
+    """Whether things cast shadows on the ground in images."""
 
 
 def read_settings(given: Mapping[str, object]) -> Settings:

@@ -26,18 +26,21 @@ _EXPOSURE_SAMPLES = 5
 
 
 class RenderContext:
-    """What the cameras of one session share; its renderer is opened with the first image."""
+    """The world, vehicles and renderer that the cameras of one session share.
+
+    The renderer is opened with the first image.
+    """
 
     def __init__(self, world: World, renderer: str, shadows: bool, seed: int) -> None:
         self._world = world
         self._name = renderer
         self._shadows = shadows
         self.seed = seed
-        """Of the run; a camera's noise is drawn from it."""
+        """The run's; noise is drawn from it."""
         self.pose_histories: dict[str, PoseHistory] = {}
-        """Of all vehicles, by name."""
+        """By vehicle."""
         self.appearances: dict[str, Thing] = {}
-        """Of all vehicles, by name."""
+        """By vehicle."""
         self._renderer: Renderer | None = None
 
     @property

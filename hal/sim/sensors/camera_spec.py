@@ -1,4 +1,4 @@
-"""What a camera of a simulated vehicle is like, and how its settings are read."""
+"""The specification of a camera on a simulated vehicle, and its settings."""
 
 from __future__ import annotations
 
@@ -36,8 +36,9 @@ class CameraSpec:
     roll: float = 0.0
     """About the direction it looks in, clockwise as seen from behind."""
     width: int = 320
+    """Pixels."""
     height: int = 240
-    """Of the image, pixels."""
+    """Pixels."""
     rate: float = 20.0
     """Images per second."""
     field_of_view: float = pi / 3
@@ -121,7 +122,7 @@ def _checked(name: str, spec: CameraSpec) -> CameraSpec:
 
 
 def _numbers(given: Any, *counts: int) -> bool:
-    """Whether something is a list of finite numbers, as many as one of the counts."""
+    """Whether something is a list of finite numbers, of one of these lengths."""
     try:
         return len(given) in counts and all(map(isfinite, given))
     except TypeError:

@@ -20,7 +20,7 @@ from vencejo.seeds import generator
 _SHIFTS = 128
 """Pixels by which the noise is larger than an image, along each axis: it is shifted by chance."""
 _WIDEST = 4.0
-"""How many times the image's width and height the pinhole image of a distorted one may have."""
+"""Largest ratio of the pinhole image's width or height to the distorted image's."""
 _TOLERANCE = 0.05
 """Pixels by which the inverse of a distortion may miss."""
 

@@ -18,7 +18,7 @@ class RangefinderSpec:
     """A rangefinder that looks down; as a default the AR.Drone 2.0's ultrasonic altimeter."""
 
     max_range: float = 6.0
-    """What is farther than this is not measured, metres."""
+    """Largest distance that is measured, metres."""
     rate: float = 25.0
     """Readings per second."""
 

@@ -1,4 +1,4 @@
-"""When a sensor of some rate captures."""
+"""The capture times of a sensor, by its rate."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hal.sim.pose_history import LONGEST_INTERVAL
 SLOWEST, FASTEST = 1 / LONGEST_INTERVAL, float(STEPS_PER_SECOND)
 """Captures per second: each needs a physics step of its own."""
 _ROUNDING = 1e-9
-"""What a number of steps may be off by rounding."""
+"""Rounding errors of a number of steps are smaller than this."""
 
 
 class Capture(NamedTuple):
