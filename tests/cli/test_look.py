@@ -74,6 +74,7 @@ def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
         (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
         (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),
         (("run", "first_flight", "--renderer", "tny"), "did you mean 'tiny'?"),
+        (("worlds", "yard", "--renderer", "gl"), "'gl' is none of egl, raster, tiny"),
     ],
 )
 def test_what_cannot_be_is_told(
