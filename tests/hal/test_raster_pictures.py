@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hal.raster import Raster
+from hal.scene.arrays import Float64s
 from hal.scene.surfaces import sphere_mesh
 from hal.scene.transforms import rotation_matrix
 from hal.sim.bullet_renderers import EglRenderer, TinyRenderer
@@ -46,8 +47,6 @@ from worlds.things import (
     Thing,
 )
 
-Floats = NDArray[np.float64]
-
 LENS = lens(320, 240)
 SKY = (230, 190, 150)
 
@@ -69,7 +68,7 @@ def detector(name: int = cv2.aruco.DICT_4X4_50) -> cv2.aruco.ArucoDetector:
     return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(name), settings)
 
 
-def edge(image: NDArray[np.float32], start: Floats, end: Floats) -> tuple[Floats, Floats]:
+def edge(image: NDArray[np.float32], start: Float64s, end: Float64s) -> tuple[Float64s, Float64s]:
     """The line along a black edge near a segment: a normal, and two places on it, to subpixels.
 
     On lines across the edge, the middle of the rise from dark to bright (its weighted mean).
@@ -86,7 +85,7 @@ def edge(image: NDArray[np.float32], start: Floats, end: Floats) -> tuple[Floats
     return np.array(ends[0]), np.array(ends[1])
 
 
-def crossing(one: tuple[Floats, Floats], other: tuple[Floats, Floats]) -> Floats:
+def crossing(one: tuple[Float64s, Float64s], other: tuple[Float64s, Float64s]) -> Float64s:
     a, b = np.append(one[0], 1.0), np.append(one[1], 1.0)
     c, d = np.append(other[0], 1.0), np.append(other[1], 1.0)
     x, y, w = np.cross(np.cross(a, b), np.cross(c, d))
@@ -195,7 +194,7 @@ def test_markers_are_detected_at_least_as_far_as_in_the_reference() -> None:
     assert ours[:4] == [8, 8, 8, 8]
 
 
-def changes(world: World) -> Floats:
+def changes(world: World) -> Float64s:
     """Mean change of each row between two pictures 1 cm apart, grey levels, looking far."""
     raster = Raster(world, {})
     first, second = (

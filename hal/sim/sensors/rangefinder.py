@@ -15,7 +15,7 @@ from vencejo.geometry import turned
 
 @dataclass(frozen=True)
 class RangefinderSpec:
-    """A rangefinder that looks down; as a default the AR.Drone 2.0's ultrasonic altimeter."""
+    """A rangefinder that looks down."""
 
     max_range: float = 6.0
     """Largest distance that is measured, metres."""
