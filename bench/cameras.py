@@ -27,14 +27,14 @@ from behaviors import Pilot
 from bench.machine import machine
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from hal.rendering import RENDERERS, Pose, open_renderer
+from hal.renderers import open_renderer, renderer_names
 from hal.vehicle import Intrinsics
 from runner import missions
 from runner.loop import Plan, fly
 from runner.preparation import prepare
 from runner.recorder import Recorder
 from vencejo.errors import UserError
-from vencejo.geometry import OPTICAL, Point, about_y, product
+from vencejo.geometry import OPTICAL, Point, Pose, about_y, product
 from worlds import World, load_world
 
 SIZES = ((320, 240), (640, 480))
@@ -144,7 +144,7 @@ def main() -> None:
     with TemporaryDirectory() as folder:
         path = write_world(Path(folder))
         world = load_world(path)
-        for name in RENDERERS:
+        for name in sorted(renderer_names(), key=lambda name: name != "raster"):
             try:
                 fps[name] = rates(world, name, 60 if name == "raster" else 6)
             except UserError as error:

@@ -19,7 +19,7 @@ from time import perf_counter, process_time
 from bench.machine import machine
 from fsm import parse_parameters
 from hal.sim.bullet import Bullet
-from hal.sim.skyline import Skyline
+from hal.sim.obstacle_heights import ObstacleHeightGrid
 from runner import missions
 from runner.loop import Plan, fly
 from runner.preparation import prepare
@@ -136,7 +136,7 @@ def loading(folder: Path) -> dict[str, float]:
         between = perf_counter()
         physics = Bullet()
         physics.add_things(world.things, world.ground.terrain)
-        Skyline(world.things, world.ground.terrain)
+        ObstacleHeightGrid(world.things, world.ground.terrain)
         building.append(perf_counter() - between)
         reading.append(between - begin)
         physics.close()

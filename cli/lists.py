@@ -13,7 +13,7 @@ import click
 from cli.look import VIEWS
 from cli.options import MissionName, Place, Word, renderer_option, shadows_option
 from fsm import BehaviorInfo, Parameter
-from hal.rendering import show_window
+from hal.renderers import show_window
 from runner import missions as known
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity

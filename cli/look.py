@@ -5,10 +5,19 @@ from __future__ import annotations
 from math import pi, radians, tan
 from pathlib import Path
 
-from hal.rendering import Pose, open_renderer
+from hal.renderers import open_renderer
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, Where
-from vencejo.geometry import OPTICAL, Point, Quaternion, about_y, product, turned, yaw_quaternion
+from vencejo.geometry import (
+    OPTICAL,
+    Point,
+    Pose,
+    Quaternion,
+    about_y,
+    product,
+    turned,
+    yaw_quaternion,
+)
 from worlds import Thing, World
 from worlds.solids import bounds_of, part_pose
 

@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from hal.rendering import RENDERERS
+from hal.renderers import renderer_names
 from vencejo.errors import nearest
 
 
@@ -33,7 +33,7 @@ class Word(click.ParamType):  # type: ignore[type-arg]
 
 renderer_option = click.option(
     "--renderer",
-    type=Word(list(RENDERERS)),
+    type=Word(renderer_names()),
     default="raster",
     show_default=True,
     help="What draws the simulator's pictures.",

@@ -8,7 +8,7 @@ import click
 
 from behaviors import drone_vocabulary
 from fsm.schema import mission_schema
-from worlds.schema import world_schema
+from worlds.world_schema import world_schema
 
 
 @click.command()

@@ -148,13 +148,13 @@ class Intrinsics:
 
     @classmethod
     def of_view(
-        cls, width: int, height: int, view: float, distortion: tuple[float, ...] = ()
+        cls, width: int, height: int, field_of_view: float, distortion: tuple[float, ...] = ()
     ) -> Intrinsics:
         """Of a horizontal field of view, radians.
 
         Pixels are square, and the optical axis meets the middle of the picture.
         """
-        focal = width / 2 / tan(view / 2)
+        focal = width / 2 / tan(field_of_view / 2)
         return cls(width, height, focal, focal, (width - 1) / 2, (height - 1) / 2, distortion)
 
 

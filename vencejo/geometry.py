@@ -29,6 +29,9 @@ class Point(NamedTuple):
         return sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
 
 
+Pose = tuple[Point, Quaternion]
+"""A place and an attitude: where a frame is, and the rotation from it to the outer frame."""
+
 distance = dist
 """Straight-line distance between two points, metres."""
 

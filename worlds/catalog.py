@@ -1,4 +1,4 @@
-"""Worlds by name, number or path."""
+"""The catalogue of worlds: shipped ones by name, generated ones by number, others by path."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ _FOLDER = Path(__file__).parent / "files"
 
 
 def world_names() -> list[str]:
-    """The worlds that are shipped."""
+    """The names of the shipped worlds."""
     return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
 
 
 def world_families() -> dict[str, str]:
-    """The families of generated worlds, each with what its worlds are."""
+    """The families of generated worlds by name, with a sentence about each."""
     return {name: (family.__doc__ or "").partition("\n")[0] for name, family in FAMILIES.items()}
 
 
 def find_world(word: str, where: Where | None = None) -> World:
-    """The shipped world of that name, the generated one (``roads:17``), or else the world in the
-    file of that path.
+    """Find a world: a shipped one by name, a generated one (``roads:17``), or a file by its path.
 
-    ``where`` is the place that names the world. Raises UserError (``unknown-world``, and what
-    :func:`worlds.loader.load_world` raises).
+    ``where`` is the place in a mission file that names the world. Raises UserError
+    (``unknown-world``, and what :func:`worlds.loader.load_world` raises).
     """
     names = world_names()
     if word in names:

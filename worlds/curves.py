@@ -1,4 +1,4 @@
-"""Smooth curves through points, in two or three dimensions, metres."""
+"""Polylines and smooth curves through points, in two or three dimensions, metres."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ from math import ceil, dist
 
 _STEP = 0.5
 """Curves are sampled about this densely, metres."""
-_MOST = 64
-"""Samples of one span at most."""
+_MOST_SAMPLES = 64
+"""Largest number of samples of one span."""
 
 Coordinates = tuple[float, ...]
 
 
 def smooth(points: Sequence[Coordinates], closed: bool = False) -> list[Coordinates]:
-    """A centripetal Catmull-Rom spline through all points, sampled; a closed one ends as it began.
+    """Sample a centripetal Catmull-Rom spline through all points.
 
-    Centripetal (knots a square root of the distance apart), since it makes no loops of its own:
-    C. Yuksel et al., *Parameterization and applications of Catmull-Rom curves*, 2011.
+    A closed one ends at its first point. Centripetal: knots are a square root of the distance
+    apart, so the curve makes no loops between points (C. Yuksel et al., *Parameterization and
+    applications of Catmull-Rom curves*, 2011).
     """
     if closed:
         around = [points[-1], *points, points[0], points[1]]
     else:
-        # Beyond each end, the end's own span mirrored: the curve begins and ends unbent.
+        # The span at each end is mirrored beyond it: so the curve is straight at its ends.
         around = [_mirrored(points[1], points[0]), *points, _mirrored(points[-2], points[-1])]
     curve = [tuple(points[0])]
     for k in range(1, len(around) - 2):
@@ -32,8 +33,12 @@ def smooth(points: Sequence[Coordinates], closed: bool = False) -> list[Coordina
 
 
 def _span(a: Coordinates, b: Coordinates, c: Coordinates, d: Coordinates) -> list[Coordinates]:
-    """The curve from b (left out) to c, by the pyramid of Barry and Goldman."""
-    samples = min(_MOST, max(1, ceil(dist(b, c) / _STEP)))
+    """Sample the curve from b (left out) to c.
+
+    P. J. Barry, R. N. Goldman, *A recursive evaluation algorithm for a class of Catmull-Rom
+    splines*, SIGGRAPH 1988.
+    """
+    samples = min(_MOST_SAMPLES, max(1, ceil(dist(b, c) / _STEP)))
     t0, t1 = 0.0, dist(a, b) ** 0.5
     t2 = t1 + dist(b, c) ** 0.5
     t3 = t2 + dist(c, d) ** 0.5
@@ -46,43 +51,45 @@ def _span(a: Coordinates, b: Coordinates, c: Coordinates, d: Coordinates) -> lis
 
 
 def _mix(p: Coordinates, q: Coordinates, begin: float, end: float, t: float) -> Coordinates:
+    """Interpolate linearly between p at ``begin`` and q at ``end``."""
     share = (t - begin) / (end - begin)
     return tuple(u + (v - u) * share for u, v in zip(p, q, strict=True))
 
 
 def _mirrored(p: Coordinates, at: Coordinates) -> Coordinates:
+    """The point as far behind ``at`` as p is before it."""
     return tuple(2 * v - u for u, v in zip(p, at, strict=True))
 
 
 def without_repeats(points: Sequence[Coordinates]) -> list[Coordinates]:
-    """The points without those that are the same as the one before."""
+    """The points, without any that equals the one before it."""
     return [points[0], *(b for a, b in pairwise(points) if a != b)]
 
 
 def length(points: Sequence[Coordinates]) -> float:
-    """Of a polyline."""
+    """The length of a polyline."""
     return sum(dist(a, b) for a, b in pairwise(points))
 
 
 def piece(points: Sequence[Coordinates], begin: float, end: float) -> list[Coordinates]:
-    """The part of a polyline between two ways along it."""
-    way, found = 0.0, list[Coordinates]()
+    """The part of a polyline between two distances along it."""
+    passed, found = 0.0, list[Coordinates]()
     for a, b in pairwise(points):
-        step = dist(a, b)
-        if way + step > begin and way < end:
+        leg = dist(a, b)
+        if passed + leg > begin and passed < end:
             if not found:
-                found.append(_mix(a, b, way, way + step, max(begin, way)))
-            found.append(_mix(a, b, way, way + step, min(end, way + step)))
-        way += step
+                found.append(_mix(a, b, passed, passed + leg, max(begin, passed)))
+            found.append(_mix(a, b, passed, passed + leg, min(end, passed + leg)))
+        passed += leg
     return found
 
 
 def every(points: Sequence[Coordinates], step: float) -> list[Coordinates]:
-    """Places along a polyline, a step apart."""
-    found, way = list[Coordinates](), 0.0
+    """Places along a polyline from its beginning on, a step apart."""
+    found, passed = list[Coordinates](), 0.0
     for a, b in pairwise(points):
-        end = way + dist(a, b)
+        end = passed + dist(a, b)
         while len(found) * step < end:
-            found.append(_mix(a, b, way, end, len(found) * step))
-        way = end
+            found.append(_mix(a, b, passed, end, len(found) * step))
+        passed = end
     return found

@@ -1,7 +1,7 @@
-"""The shapes that the kinds of things are made of.
+"""The parts that each kind of thing is made of.
 
-Each function gives the parts in the thing's own frame: x forward, y left, z up, metres; z = 0 is
-where it stands.
+Each function gives them in the thing's own frame: x forward, y left, z up, metres; the thing stands
+on z = 0.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from worlds.things import (
     Texture,
 )
 
-_PROUD = 0.01
-"""What lies on a face stands out this far, metres: two faces in one plane have no order."""
+_STANDOFF = 0.01
+"""Plates on a face stand out this far, metres: of two faces in one plane either could be seen."""
 _WHITE = COLORS["white"]
 
 
@@ -46,7 +46,11 @@ def _part(shape: Shape, x: float, y: float, z: float, color: Color) -> Part:
 
 
 def standing(faces: float, lean: float = 0.0, turn: float = 0.0) -> Quaternion:
-    """The attitude of a plate that faces a direction, leans back and is turned in its own plane."""
+    """The attitude of a plate that faces a direction, leans back and is turned in its own plane.
+
+    Radians: ``faces`` counter-clockwise from east, ``lean`` from upright, ``turn``
+    counter-clockwise as seen.
+    """
     upright = product(yaw_quaternion(faces + pi / 2), about_x(pi / 2 - lean))
     return product(upright, yaw_quaternion(turn))
 
@@ -64,7 +68,7 @@ def sphere(radius: float, color: Color) -> tuple[Part, ...]:
 
 
 def beacon(radius: float, color: Color) -> tuple[Part, ...]:
-    """A ball about the thing's origin."""
+    """A sphere about the thing's origin."""
     return (_part(Sphere(radius), 0, 0, 0, color),)
 
 
@@ -75,14 +79,14 @@ def plate(
 
 
 def lying_marker(texture: Fiducial | Charuco, width: float, height: float, top: float) -> Part:
-    """A marker on an upper face."""
-    return plate(width, height, UPRIGHT, texture, top + _PROUD)
+    """A marker that lies on an upper face at a height of ``top``."""
+    return plate(width, height, UPRIGHT, texture, top + _STANDOFF)
 
 
 def wall(
     through: Sequence[tuple[float, float]], height: float, thickness: float, color: Color
 ) -> tuple[Part, ...]:
-    """Straight walls from point to point, which are in the thing's frame."""
+    """Straight walls from point to point."""
     parts = []
     for a, b in pairwise(through):
         length = hypot(b[0] - a[0], b[1] - a[1])
@@ -95,12 +99,12 @@ def wall(
 
 
 def house(size: Point, color: Color, roof: Color) -> tuple[Part, ...]:
-    """Walls under a flat roof that juts out; the door is in front, windows in front and behind."""
+    """Walls under a flat roof with eaves; a door in front, windows in front and at the back."""
     slab, eaves = 0.25, 0.3
     height = max(size.z - slab, size.z / 2)
     walls = Part(Cuboid(Point(size.x, size.y, height)), Point(0, 0, height / 2), UPRIGHT, color)
     lid = Cuboid(Point(size.x + 2 * eaves, size.y + 2 * eaves, size.z - height))
-    front, back = size.x / 2 + _PROUD, -size.x / 2 - _PROUD
+    front, back = size.x / 2 + _STANDOFF, -size.x / 2 - _STANDOFF
     pane, door_height = size.y / 5, min(2.0, height * 0.8)
     sill, dark, wood = height * 0.55, (45, 60, 80), COLORS["brown"]
     openings = [
@@ -134,7 +138,7 @@ def car(color: Color) -> tuple[Part, ...]:
 
 
 def person(color: Color, lying: bool) -> tuple[Part, ...]:
-    """1.75 m tall; who lies has the head forward."""
+    """A person 1.75 m tall; lying, the head is forward."""
     standing_parts = (
         _part(Cylinder(0.14, 0.85), 0, 0, 0.425, (50, 55, 85)),
         _part(Cylinder(0.2, 0.6), 0, 0, 1.15, color),
@@ -150,7 +154,7 @@ def person(color: Color, lying: bool) -> tuple[Part, ...]:
 
 
 def tree(height: float, color: Color) -> tuple[Part, ...]:
-    """A trunk and a round crown."""
+    """A trunk and a spherical crown."""
     crown = height * 0.25
     trunk = Cylinder(max(0.05, height * 0.03), height - crown)
     return (
@@ -160,7 +164,7 @@ def tree(height: float, color: Color) -> tuple[Part, ...]:
 
 
 def gate(width: float, height: float, color: Color) -> tuple[Part, ...]:
-    """A frame to fly through along x; width and height are of the opening."""
+    """A frame to fly through along x; ``width`` and ``height`` are those of the opening."""
     bar = 0.1
     post = Cuboid(Point(bar, bar, height))
     side = (width + bar) / 2
@@ -174,7 +178,7 @@ def gate(width: float, height: float, color: Color) -> tuple[Part, ...]:
 def sign(
     width: float, board_height: float, top: float, color: Color, texture: Image | None
 ) -> tuple[Part, ...]:
-    """A board on a post; a picture is on its front only."""
+    """A board on a post; an image is on its front only."""
     middle = top - board_height / 2
     board = Cuboid(Point(0.03, width, board_height))
     parts = (
@@ -183,5 +187,5 @@ def sign(
     )
     if texture is None:
         return parts
-    front = Point(0.075 + _PROUD, 0.0, middle)
+    front = Point(0.075 + _STANDOFF, 0.0, middle)
     return (*parts, Part(Plate(width, board_height), front, standing(0.0), _WHITE, texture))

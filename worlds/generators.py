@@ -1,6 +1,7 @@
-"""Families of generated worlds: road number 17, forest number 3. Equal numbers, equal worlds.
+"""Families of generated worlds, by number: road 17, forest 3. Equal numbers give equal worlds.
 
-Each function writes a world file; every world of a family can be solved as its docstring says.
+Each function writes a world file. Every world of a family has the solution that its docstring
+promises.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ _BRIGHT = ("blue", "cyan", "green", "magenta", "orange", "purple", "red", "yello
 
 
 def generate(family: str, number: int) -> str:
-    """The world file of a member of a family."""
+    """The text of the world file of that number in a family."""
     return FAMILIES[family](number, generator(number, "world", family))
 
 
@@ -59,7 +60,7 @@ def roads(number: int, random: Random) -> str:
 
 
 def _corners(random: Random, smooth: bool, room: float) -> list[XY]:
-    """Corners of a road that keeps away from itself."""
+    """Corners of a road, metres, no part of which comes nearer than ``room`` to another."""
     while True:
         line, heading = [(0.0, 0.0), (12.0, 0.0)], 0.0
         for _ in range(random.randint(4, 10)):
@@ -68,13 +69,13 @@ def _corners(random: Random, smooth: bool, room: float) -> list[XY]:
             x, y = line[-1]
             line.append((round(x + step * cos(heading), 1), round(y + step * sin(heading), 1)))
         places = curves.every(curves.smooth(line) if smooth else line, 2.0)
-        later = round(1.5 * room)  # what is three rooms further on along the road
+        later = round(1.5 * room)  # samples that are three times `room` further along the road
         if all(dist(a, b) > room for k, a in enumerate(places) for b in places[k + later :]):
             return line
 
 
 def _branch(random: Random, line: Sequence[curves.Coordinates], room: float) -> list[XY] | None:
-    """A straight road away from the middle of another, if there is room for one."""
+    """A straight road away from the middle of another; None where it would come too near it."""
     places = curves.every(line, 2.0)
     k = len(places) // 2
     (x, y), (u, v) = places[k], places[k + 1]
@@ -127,15 +128,16 @@ def search(number: int, random: Random) -> str:
 # Forests.
 
 FOREST = (6.0, 54.0, -20.0, 20.0)
-"""West, east, south and north of the trees."""
+"""West, east, south and north of the trees, metres."""
 TREES_APART = 2.5
+"""Least distance between trunks, metres."""
 
 
 def forest(number: int, random: Random) -> str:
     """60 to 140 trees between the start and the place `goal`, 60 m east of it.
 
     Trunks stand 2.5 m apart or more and are 24 to 54 cm thick; crowns begin above 2.5 m. So there
-    is a way below them, wherever one looks for it.
+    is a way below them everywhere.
     """
     west, east, south, north = FOREST
     count = random.randint(60, 140)

@@ -1,4 +1,4 @@
-"""The kinds of things a world file can hold: their keys and what is made of them."""
+"""The kinds of things that a world file can hold: their keys, and the parts made of them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point
 from vencejo.nodes import YamlNode
 from worlds import curves, figures
+from worlds.assets import IMAGE, file_of
 from worlds.colors import COLORS
 from worlds.markers import (
     DICTIONARY,
@@ -19,8 +20,7 @@ from worlds.markers import (
     marker_parts,
     plate_side,
 )
-from worlds.pictures import PICTURE, file_of
-from worlds.placing import Draft, placed
+from worlds.placement import ThingDraft, placed
 from worlds.things import UPRIGHT, Color, Fiducial, Image, Mesh, Part
 from worlds.values import (
     COLOR,
@@ -62,12 +62,12 @@ def _box(
     return (*cuboid, figures.lying_marker(fiducial, side, side, size[2]))
 
 
-def _wall(through: tuple[tuple[float, float], ...], **keys: Any) -> Draft:
+def _wall(through: tuple[tuple[float, float], ...], **keys: Any) -> ThingDraft:
     if len(curves.without_repeats(through)) < len(through):
         raise Misfit("bad-path", "a point stands twice in a row in this wall", "through")
     x, y = through[0]
     own = [(u - x, v - y) for u, v in through]
-    return Draft("wall", figures.wall(own, **keys), True, Spot(x, y), 0.0, None)
+    return ThingDraft("wall", figures.wall(own, **keys), True, Spot(x, y), 0.0, None)
 
 
 def _mesh(file: Mesh, scale: float, color: Color) -> tuple[Part, ...]:
@@ -76,7 +76,7 @@ def _mesh(file: Mesh, scale: float, color: Color) -> tuple[Part, ...]:
 
 
 def _read_mesh(node: YamlNode) -> Mesh:
-    from worlds.meshes import load_mesh
+    from worlds.mesh_files import load_mesh  # late: it needs numpy
 
     path = file_of(node)
     try:
@@ -86,7 +86,7 @@ def _read_mesh(node: YamlNode) -> Mesh:
 
 
 def _read_model(node: YamlNode) -> tuple[Part, ...]:
-    from worlds.models import load_model
+    from worlds.model_files import load_model  # late: it needs numpy
 
     path = file_of(node)
     try:
@@ -108,13 +108,13 @@ WALL = record(
 _SIZE3 = array("a size is [x, y, z] in metres", SIZE, 3, 3)
 _SIZE2 = array("this size is [width, height] in metres", SIZE, 2, 2)
 
-KINDS: Mapping[str, Value[Draft]] = {
+KINDS: Mapping[str, Value[ThingDraft]] = {
     "boxes": placed(
         "box",
         {
             "size": Field(_SIZE3),
             "color": _color("gray"),
-            "texture": Field(PICTURE, None),
+            "texture": Field(IMAGE, None),
             "marker": Field(MARKER_ON_TOP, None),
         },
         _box,
@@ -151,7 +151,7 @@ KINDS: Mapping[str, Value[Draft]] = {
             "size": Field(_SIZE2, (0.8, 0.6)),
             "top": Field(SIZE, 2.2),
             "color": _color("blue"),
-            "texture": Field(PICTURE, None),
+            "texture": Field(IMAGE, None),
         },
         lambda size, **keys: figures.sign(size[0], size[1], **keys),
     ),
@@ -183,11 +183,11 @@ KINDS: Mapping[str, Value[Draft]] = {
         lambda file: file,
     ),
 }
-"""What can be put up under each key of a world file, beside beacons and roads."""
+"""The things that stand under each key of a world file; beacons and roads are apart."""
 
 
-def _beacon(at: tuple[float, ...], radius: float, color: Color) -> Draft:
-    return Draft("beacon", figures.beacon(radius, color), False, Spot(*at), 0.0, None)
+def _beacon(at: tuple[float, ...], radius: float, color: Color) -> ThingDraft:
+    return ThingDraft("beacon", figures.beacon(radius, color), False, Spot(*at), 0.0, None)
 
 
 BEACON = record(

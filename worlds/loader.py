@@ -1,4 +1,4 @@
-"""Reads world files. What is wrong in a file is told all at once."""
+"""Reads world files. All faults of a file are reported at once."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from vencejo.errors import Fault, UserError, Where
 from vencejo.geometry import Point, horizontal_distance
 from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
+from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.kinds import BEACON, KINDS
 from worlds.model import Start, World
-from worlds.scene import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.solids import START_CLEARANCE, thing_near, top_of
 from worlds.terrain import height_at
 from worlds.things import Terrain, Thing
@@ -50,12 +50,12 @@ def load_world(path: Path) -> World:
 
 
 def read_world(text: str, name: str) -> World:
-    """The world in a text; ``name`` stands for its file. Raises UserError with every fault."""
+    """The world in a text; ``name`` stands for its path. Raises UserError with every fault."""
     return _world(read_text(text, name), Path(name), text, ())
 
 
 def _files(node: YamlNode) -> Iterator[Path]:
-    """The pictures, meshes and models that a world file names and that are there."""
+    """The images, meshes and models that a world file names and that exist."""
     if isinstance(node, nodes.Sequence):
         for item in node.items:
             yield from _files(item)
@@ -78,7 +78,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
     ground = keys.get("ground", GROUND.default)
 
     def stand(spot: Spot) -> Point:
-        """On the ground, where no height is given."""
+        """The point of a spot: on the ground, where no height is written."""
         high = height_at(ground.terrain, spot.x, spot.y) if spot.z is None else spot.z
         return Point(spot.x, spot.y, high)
 
@@ -98,7 +98,9 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         name=keys["world"],
         description=keys["description"],
         origin=keys["origin"],
-        ground=replace(ground, stripes=roads.painted(road for _, road in named["roads"].entries)),
+        ground=replace(
+            ground, stripes=roads.stripes_of(road for _, road in named["roads"].entries)
+        ),
         starts=tuple(start for _, start in starts),
         battery=keys["battery"],
         places=MappingProxyType(beacons | places),
@@ -113,12 +115,12 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
 
 
 def _digest(contents: list[bytes]) -> str:
-    """Of one content its SHA-256; of several that of all in a row."""
+    """The SHA-256 of the contents, one after the other."""
     return sha256(b"".join(contents)).hexdigest()
 
 
 def _repeated(named: Mapping[str, Names[Any]]) -> Iterator[Fault]:
-    """Names that stand for two things, and places that are beacons already."""
+    """Faults for names that stand for two things, and for places that are beacons already."""
     first: dict[str, tuple[str, Where]] = {}
     keys = [(key, kind) for kind in NAMED for key, _ in named[kind].entries if kind != "places"]
     for key, kind in sorted(keys, key=lambda item: item[0].where):
@@ -144,7 +146,7 @@ def _repeated(named: Mapping[str, Names[Any]]) -> Iterator[Fault]:
 def _bad_starts(
     starts: list[tuple[Where, Start]], things: tuple[Thing, ...], terrain: Terrain | None
 ) -> Iterator[Fault]:
-    """Starts in things, in the ground or in each other."""
+    """Faults for starts in things, in the ground or in each other."""
     for where, start in starts:
         ground = height_at(terrain, start.at.x, start.at.y)
         thing = thing_near(things, start.at)

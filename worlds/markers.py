@@ -1,4 +1,4 @@
-"""Fiducial markers: their dictionaries, how they fill their plates, and how they are written."""
+"""Fiducial markers and boards: their dictionaries, their sizes and their keys in world files."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ DICTIONARIES: Mapping[str, tuple[int, int]] = MappingProxyType(
         "APRILTAG_36h11": (587, 8),
     }
 )
-"""OpenCV's names without DICT_: how many ids there are, from 0, and the modules along a side of the
-black square (its bits and the black border)."""
+"""By OpenCV's name without DICT_: the number of ids, which begin at 0, and the modules along a side
+of the black square (its bits and the black border)."""
 
 
 def plate_side(dictionary: str, size: float) -> float:
-    """Side of the plate that shows a marker whose black square has the side ``size``, metres.
+    """The side of the plate that shows a marker, metres; ``size`` is that of its black square.
 
-    The white border is one module wide on each side.
+    The white border is one module wide.
     """
     _, modules = DICTIONARIES[dictionary]
     return size * (modules + 2) / modules
@@ -59,6 +59,7 @@ DICTIONARY = Value(
 
 
 def _fiducial(keys: Mapping[str, Any]) -> Fiducial:
+    """The marker of the values of FIDUCIAL. Raises Misfit (``no-such-marker``)."""
     number, dictionary = keys["id"], keys["dictionary"]
     most = DICTIONARIES[dictionary][0] - 1
     if number > most:
@@ -76,12 +77,15 @@ FIDUCIAL: Mapping[str, Field] = {
 MARKER_ON_TOP = record("a marker", FIDUCIAL, lambda **keys: (_fiducial(keys), keys["size"]))
 
 
-def _posture(faces: float | None, lean: float, turn: float) -> Quaternion:
-    """Of a marker or board: flat on its back, unless it faces a direction."""
-    if faces is not None:
-        return figures.standing(faces, lean, turn)
-    for key, value in (("lean", lean), ("turn", turn)):
-        if value:
+def _posture(keys: Mapping[str, Any]) -> Quaternion:
+    """The attitude of a marker or board: it lies flat, unless it faces a direction.
+
+    Raises Misfit (``lies-flat``).
+    """
+    if keys["faces"] is not None:
+        return figures.standing(keys["faces"], keys["lean"], keys["turn"])
+    for key in ("lean", "turn"):
+        if keys[key]:
             raise Misfit(
                 "lies-flat",
                 f"'{key}' is for what stands, and this lies flat",
@@ -98,22 +102,20 @@ POSTURE: Mapping[str, Field] = {
 }
 
 
-def marker_parts(faces: float | None, lean: float, turn: float, **keys: Any) -> tuple[Part, ...]:
+def marker_parts(**keys: Any) -> tuple[Part, ...]:
+    """A marker, from the values of FIDUCIAL and POSTURE. Raises Misfit."""
     fiducial = _fiducial(keys)
     side = plate_side(fiducial.dictionary, keys["size"])
-    return (figures.plate(side, side, _posture(faces, lean, turn), fiducial),)
+    return (figures.plate(side, side, _posture(keys), fiducial),)
 
 
 def board_parts(
-    columns: int,
-    rows: int,
-    square: float,
-    marker: float,
-    dictionary: str,
-    faces: float | None,
-    lean: float,
-    turn: float,
+    columns: int, rows: int, square: float, marker: float, dictionary: str, **posture: Any
 ) -> tuple[Part, ...]:
+    """A ChArUco board, its posture from the values of POSTURE. Raises Misfit.
+
+    ``square`` and ``marker`` are the sides of its squares and of the markers in them, metres.
+    """
     if marker >= square:
         raise Misfit("bad-size", "a board's markers are smaller than its squares", "marker")
     needed, most = columns * rows // 2, DICTIONARIES[dictionary][0]
@@ -124,5 +126,5 @@ def board_parts(
             "dictionary",
         )
     texture = Charuco(dictionary, columns, rows, marker / square)
-    posture = _posture(faces, lean, turn)
-    return (figures.plate(columns * square, rows * square, posture, texture),)
+    attitude = _posture(posture)
+    return (figures.plate(columns * square, rows * square, attitude, texture),)

@@ -1,4 +1,4 @@
-"""What a world consists of. World frame: metres, x east, y north, z up; radians."""
+"""A world, as it was read. World frame: metres, x east, y north, z up; radians."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from worlds.things import Color, Stripe, Terrain, Thing
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where the world frame's origin lies on the Earth (WGS 84)."""
+    """The place of the world frame's origin on the Earth (WGS 84)."""
 
     lat: float
     """Degrees."""
@@ -24,33 +24,34 @@ class Origin:
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """The flat ground at z = 0: endless to stand on, coloured over a square about the origin."""
+    """The ground: flat at z = 0, without end, coloured over a square about the origin."""
 
     color: Color
     size: float
     """Length of the coloured square's side, metres."""
     texture: Path | None = None
-    """A picture laid over it, tiled."""
+    """An image file that is repeated over the square."""
     tile: float = 10.0
-    """Side of one tile of that picture, metres."""
+    """Side of one repetition of that image, metres."""
     stripes: tuple[Stripe, ...] = ()
     """Painted in order, later ones over earlier ones."""
     terrain: Terrain | None = None
+    """Hills over a part of it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Road:
-    """The line of a road; what is to be seen of it are stripes of the ground."""
+    """The line of a road; it is seen as stripes of the ground."""
 
     name: str
     points: tuple[tuple[float, float], ...]
-    """Its middle, x and y in metres; smooth curves are sampled."""
+    """The centre line, x and y in metres; smooth curves are sampled."""
     width: float
 
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Where a vehicle stands when the run begins."""
+    """The place of a vehicle when the run begins."""
 
     at: Point
     heading: float
@@ -62,9 +63,9 @@ class Light:
     """The sun and the sky."""
 
     sun: tuple[float, float, float] = (0.3, -0.5, 0.8)
-    """Towards the sun."""
+    """A vector towards the sun."""
     ambient: float = 0.6
-    """What a face turned away from the sun still shows of its colour, 0 to 1."""
+    """Brightness of a face that is turned away from the sun, 0 to 1."""
     sky: Color = (150, 190, 230)
 
 
@@ -86,12 +87,12 @@ class World:
     source: Path
     """The file it was read from; of a generated world, its word: ``roads:17``."""
     sha256: str
-    """Of that file and of those it names, hexadecimal; of a generated world, of its text."""
+    """Hexadecimal; of that file and the files it names, or of a generated world's text."""
     things: tuple[Thing, ...] = ()
-    """Everything to be seen and hit, in the order of the kinds."""
+    """In the order of the kinds (see :mod:`worlds.kinds`)."""
     roads: tuple[Road, ...] = ()
     text: str = ""
     """The world file, as read."""
     files: tuple[Path, ...] = ()
-    """The file itself and the pictures, meshes and models it names; a generated world has none."""
+    """The file itself and the images, meshes and models it names; a generated world has none."""
     light: Light = field(default_factory=Light)

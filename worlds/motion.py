@@ -1,4 +1,4 @@
-"""Where a moving thing is at a time. World frame, metres, radians, seconds since the run began."""
+"""The poses of moving things. World frame, metres, radians, seconds since the run began."""
 
 from __future__ import annotations
 
@@ -8,30 +8,33 @@ from functools import lru_cache
 from itertools import pairwise
 from math import dist, floor
 
-from vencejo.geometry import Point, Quaternion, bearing, product, wrap, yaw_quaternion
+from vencejo.geometry import Point, Pose, bearing, product, wrap, yaw_quaternion
 from worlds.things import Motion, Thing
 
 STRETCH = 0.025
-"""Seconds that a thing moves straight on (a mission period): at their ends it is on its path."""
-_TURN = 0.5
-"""Seconds before and after a corner in which a thing turns, as far as its legs are long enough."""
+"""Seconds that a thing moves in a straight line, one mission period; then it is on its path."""
+_TURN_TIME = 0.5
+"""Seconds before and after a corner in which a thing turns; less where its legs are shorter."""
 
 
-def pose_at(thing: Thing, time: float) -> tuple[Point, Quaternion]:
-    """The place of a thing's origin and its attitude.
+def pose_at(thing: Thing, time: float) -> Pose:
+    """The pose of a thing, its own frame to world.
 
     A moving thing whose heading follows its path has its own attitude on top of that heading.
     """
     if thing.motion is None:
         return thing.at, thing.attitude
-    place, heading = _carried(track_of(thing.motion), time)
+    place, heading = _interpolated(track_of(thing.motion), time)
     if not thing.motion.turns:
         return place, thing.attitude
     return place, product(yaw_quaternion(heading), thing.attitude)
 
 
-def _carried(track: Track, time: float) -> tuple[Point, float]:
-    """Place and heading: physics and pictures have to agree also between the ends of stretches."""
+def _interpolated(track: Track, time: float) -> tuple[Point, float]:
+    """Place and heading, linear between the ends of stretches.
+
+    Physics moves things that way, and images have to agree with it.
+    """
     number = floor(time / STRETCH + 1e-6)
     share = time / STRETCH - number
     if abs(share) < 1e-6:
@@ -45,56 +48,58 @@ def _carried(track: Track, time: float) -> tuple[Point, float]:
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """A path as a closed round of straight legs: there and back, where it is no loop."""
+    """A path as a closed course of straight legs: there and back, where it is no loop."""
 
     corners: tuple[Point, ...]
-    """Where each leg begins, and at last where the round ends."""
-    ways: tuple[float, ...]
-    """The way along the round to each corner, metres."""
+    """The beginning of each leg, and the end of the last."""
+    distances: tuple[float, ...]
+    """The distance along the course to each corner, metres."""
     headings: tuple[float, ...]
-    """Of each leg, radians."""
+    """The heading of each leg, radians."""
     speed: float
+    """m/s."""
 
     def at(self, time: float) -> tuple[Point, float]:
-        """Place and heading."""
-        way = self.speed * time % self.ways[-1]
-        leg = min(bisect_right(self.ways, way), len(self.headings)) - 1
+        """Place and heading at a time, exactly on the course."""
+        passed = self.speed * time % self.distances[-1]
+        leg = min(bisect_right(self.distances, passed), len(self.headings)) - 1
         a, b = self.corners[leg], self.corners[leg + 1]
-        done = (way - self.ways[leg]) / self._length(leg)
+        done = (passed - self.distances[leg]) / self._length(leg)
         along = b.minus(a)
         place = a.plus((along.x * done, along.y * done, along.z * done))
         if done < 0.5:
-            return place, self._round_corner(leg - 1, leg, way - self.ways[leg])
+            return place, self._heading_near_corner(leg - 1, leg, passed - self.distances[leg])
         following = (leg + 1) % len(self.headings)
-        return place, self._round_corner(leg, following, way - self.ways[leg + 1])
+        to_corner = passed - self.distances[leg + 1]
+        return place, self._heading_near_corner(leg, following, to_corner)
 
-    def _round_corner(self, before: int, after: int, offset: float) -> float:
-        """The heading, a way before (below 0) or after the corner of two legs."""
+    def _heading_near_corner(self, before: int, after: int, offset: float) -> float:
+        """The heading ``offset`` metres behind the corner of two legs; below 0, before it."""
         bend = wrap(self.headings[after] - self.headings[before])
         shorter = min(self._length(before), self._length(after))
-        reach = min(_TURN * self.speed, shorter / 2)
+        reach = min(_TURN_TIME * self.speed, shorter / 2)
         share = min(1.0, max(0.0, (offset + reach) / (2 * reach)))
         return wrap(self.headings[before] + bend * share)
 
     def _length(self, leg: int) -> float:
         leg %= len(self.headings)
-        return self.ways[leg + 1] - self.ways[leg]
+        return self.distances[leg + 1] - self.distances[leg]
 
 
 @lru_cache(maxsize=1000)
 def track_of(motion: Motion) -> Track:
-    """The round of a motion."""
+    """The course of a motion."""
     points = list(motion.points)
     corners = [*points, points[0]] if motion.loop else [*points, *reversed(points[:-1])]
     corners = [a for a, b in pairwise(corners) if a != b] + [corners[-1]]
-    ways = [0.0]
+    distances = [0.0]
     for a, b in pairwise(corners):
-        ways.append(ways[-1] + dist(a, b))
-    return Track(tuple(corners), tuple(ways), _headings(corners), motion.speed)
+        distances.append(distances[-1] + dist(a, b))
+    return Track(tuple(corners), tuple(distances), _headings(corners), motion.speed)
 
 
 def _headings(corners: list[Point]) -> tuple[float, ...]:
-    """Where each leg leads; an upright one has no heading of its own and keeps the one before."""
+    """The heading of each leg; a vertical one has none of its own and keeps the one before."""
     level = [(a, b) for a, b in pairwise(corners) if a[:2] != b[:2]]
     heading = bearing(*level[-1]) if level else 0.0
     headings = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import pairwise, product
 from math import dist
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from worlds import curves
 from worlds.colors import COLORS
@@ -26,18 +26,28 @@ from worlds.values import (
 XY = tuple[float, float]
 
 
-class Draft(NamedTuple):
-    """A road as written, its line sampled."""
+class RoadPaint(NamedTuple):
+    """The look of a road; metres."""
 
-    line: tuple[XY, ...]
     width: float
+    """Edge lines included."""
     color: Color
     edges: Color | None
+    """The colour of edge lines; None for no lines."""
     edge_width: float
+
+
+class RoadDraft(NamedTuple):
+    """A road as written, its line sampled; the world gives it a name."""
+
+    line: tuple[XY, ...]
+    """The centre line, metres."""
     gaps: tuple[tuple[float, float], ...]
+    """From and to, in metres along the line, in order."""
+    paint: RoadPaint
 
     def road(self, name: str) -> Road:
-        return Road(name, self.line, self.width)
+        return Road(name, self.line, self.paint.width)
 
 
 def _road(
@@ -46,11 +56,9 @@ def _road(
     loop: bool,
     crossing: bool,
     gaps: tuple[tuple[float, ...], ...],
-    width: float,
-    edge_width: float,
-    color: Color,
-    edges: Color | None,
-) -> Draft:
+    **paint: Any,
+) -> RoadDraft:
+    """The road of the values of ROAD. Raises Misfit."""
     points: Sequence[curves.Coordinates] = [*through, through[0]] if loop else through
     if len(curves.without_repeats(points)) < len(points):
         raise Misfit(
@@ -70,7 +78,8 @@ def _road(
             "through",
             "move its points, or write `crossing: true`",
         )
-    if edges is not None and 2 * edge_width >= width:
+    painted = RoadPaint(**paint)
+    if painted.edges is not None and 2 * painted.edge_width >= painted.width:
         raise Misfit("bad-size", "the edge lines leave nothing of the road", "edge_width")
     long = curves.length(line)
     for begin, end in gaps:
@@ -81,7 +90,7 @@ def _road(
                 "gaps",
                 "a gap is [from, to] in metres along the road",
             )
-    return Draft(line, width, color, edges, edge_width, tuple((a, b) for a, b in sorted(gaps)))
+    return RoadDraft(line, tuple((a, b) for a, b in sorted(gaps)), painted)
 
 
 ROAD = record(
@@ -108,46 +117,42 @@ ROAD = record(
 )
 
 
-def painted(roads: Iterable[Draft]) -> tuple[Stripe, ...]:
-    """The stripes of some roads: first all edge lines, so that no road has one across it."""
-    roads = list(roads)
+def stripes_of(roads: Iterable[RoadDraft]) -> tuple[Stripe, ...]:
+    """The stripes that paint some roads: first all edge lines, so that none lies across a road."""
+    painted = [(line, road.paint) for road in roads for line in _pieces(road)]
     edges = [
-        Stripe(line, road.width, road.edges)
-        for road in roads
-        if road.edges is not None
-        for line in _pieces(road)
+        Stripe(line, paint.width, paint.edges) for line, paint in painted if paint.edges is not None
     ]
     surfaces = [
-        Stripe(line, road.width - (2 * road.edge_width if road.edges else 0.0), road.color)
-        for road in roads
-        for line in _pieces(road)
+        Stripe(line, paint.width - (2 * paint.edge_width if paint.edges else 0.0), paint.color)
+        for line, paint in painted
     ]
     return (*edges, *surfaces)
 
 
-def _pieces(road: Draft) -> list[tuple[XY, ...]]:
-    """The line of a road without its gaps."""
+def _pieces(road: RoadDraft) -> list[tuple[XY, ...]]:
+    """The parts of a road's line between its gaps."""
     if not road.gaps:
         return [road.line]
-    ends = [0.0, *(way for gap in road.gaps for way in gap), curves.length(road.line)]
+    ends = [0.0, *(end for gap in road.gaps for end in gap), curves.length(road.line)]
     spans = zip(ends[::2], ends[1::2], strict=True)
     pieces = [curves.piece(road.line, begin, end) for begin, end in spans if begin < end]
     return [tuple((x, y) for x, y in piece) for piece in pieces]
 
 
 def crossing_of(line: Sequence[XY]) -> XY | None:
-    """A place where a polyline meets itself, beside its ends meeting."""
+    """A place where a polyline crosses or touches itself; None for none. Its ends may meet."""
     legs = list(pairwise(line))
     corners = zip(legs, legs[1:] + legs[:1] if line[0] == line[-1] else legs[1:], strict=False)
     for (a, b), (_, c) in corners:
-        # Legs that follow each other meet in their corner alone, but for those that turn back.
+        # Legs that follow each other share their corner alone, unless the second turns right back.
         if (
             _side(a, b, c) == 0
             and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0
         ):
             return b
     side = max(dist(a, b) for a, b in legs)
-    # Legs that meet begin less than two sides apart: in cells that are next but one at most.
+    # In a grid of cells as large as the longest leg, legs that meet begin at most two cells apart.
     cells: dict[tuple[int, int], list[int]] = {}
     places = [(int(a[0] // side), int(a[1] // side)) for a, _ in legs]
     for k, cell in enumerate(places):
@@ -173,5 +178,5 @@ def legs_meet(a: XY, b: XY, c: XY, d: XY) -> bool:
 
 
 def _side(a: XY, b: XY, p: XY) -> float:
-    """Above 0 when p is left of the line from a to b."""
+    """Above 0 where p is left of the line from a to b, 0 where it is on it."""
     return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])

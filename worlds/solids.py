@@ -1,18 +1,18 @@
-"""How far solid things reach, and whether there is room to start beside them. Metres."""
+"""Bounds of solid things, distances to them, and room to start beside them. Metres."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from math import hypot, inf, sqrt
 
-from vencejo.geometry import Point, Quaternion, product, rotate_xy, turned, yaw_of
+from vencejo.geometry import Point, Pose, Quaternion, product, rotate_xy, turned, yaw_of
 from worlds.motion import pose_at
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Part, Plate, Shape, Sphere, Thing
 
 START_CLEARANCE = 0.4
-"""Free room that a vehicle needs beside its start."""
-_TOUCHING = 1e-6
-"""What stands on a face is above it, give or take this much."""
+"""A vehicle needs this much free room beside its start."""
+_TOLERANCE = 1e-6
+"""A start this much below a thing's top still counts as on top of it."""
 Bounds = tuple[Point, Point]
 """The lowest and highest x, y and z."""
 
@@ -24,13 +24,13 @@ def solid_parts(thing: Thing) -> tuple[Part, ...]:
     return tuple(part for part in thing.parts if not isinstance(part.shape, Plate))
 
 
-def part_pose(part: Part, at: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
-    """Where a part of a thing in that pose is, world frame."""
+def part_pose(part: Part, at: Point, attitude: Quaternion) -> Pose:
+    """The pose of a part of a thing, where ``at`` and ``attitude`` are the thing's own."""
     return at.plus(turned(part.at, attitude)), product(attitude, part.attitude)
 
 
 def bounds_of(shape: Shape, at: Point, attitude: Quaternion) -> Bounds:
-    """The upright box about a shape in a pose."""
+    """The axis-aligned bounding box of a shape in a pose."""
     x, y, z = (turned(axis, attitude) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
     if isinstance(shape, Mesh):
         along = [shape.vertices @ [x[k], y[k], z[k]] for k in range(3)]
@@ -52,7 +52,7 @@ def bounds_of(shape: Shape, at: Point, attitude: Quaternion) -> Bounds:
 
 
 def top_of(thing: Thing) -> float:
-    """World height of the highest point where something can be touched, wherever it moves."""
+    """The height of a thing's highest solid point along all of its path; −∞ for none."""
     at = thing.at
     if thing.motion is not None:
         at = max(thing.motion.points, key=lambda point: point.z)
@@ -64,9 +64,9 @@ def top_of(thing: Thing) -> float:
 
 
 def thing_near(things: Iterable[Thing], start: Point) -> Thing | None:
-    """A thing that leaves no room for a vehicle to start at a place.
+    """A thing that leaves no room for a vehicle to start at a place; None for none.
 
-    A place beside a thing needs START_CLEARANCE; one on or above its upper side is free.
+    Beside a thing there has to be START_CLEARANCE; on top of it and above there is room.
     """
     for thing in things:
         pose = pose_at(thing, 0.0)
@@ -77,7 +77,7 @@ def thing_near(things: Iterable[Thing], start: Point) -> Thing | None:
 
 def _is_near(part: Part, at: Point, attitude: Quaternion, start: Point) -> bool:
     low, high = bounds_of(part.shape, at, attitude)
-    if not low.z - START_CLEARANCE < start.z < high.z - _TOUCHING:
+    if not low.z - START_CLEARANCE < start.z < high.z - _TOLERANCE:
         return False
     east, north = start.x - at.x, start.y - at.y
     upright = abs(attitude[0]) + abs(attitude[1]) < 1e-9
@@ -96,8 +96,9 @@ def _is_near(part: Part, at: Point, attitude: Quaternion, start: Point) -> bool:
 
 
 def distance_to(shape: Shape, place: Point) -> float:
-    """How far a place is from a shape's surface, both in the shape's own frame; of a mesh, from its
-    bounds.
+    """The distance of a place from a shape's surface, in the shape's own frame.
+
+    Of a mesh it is that from its bounding box.
     """
     if isinstance(shape, Sphere):
         return abs(place.norm() - shape.radius)

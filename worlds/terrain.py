@@ -1,4 +1,4 @@
-"""Hills: the height of the ground."""
+"""Terrain: heights of the ground, and how they are written."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from worlds.values import COORDINATE, SIZE, Field, Misfit, array, record
 
 
 def height_at(terrain: Terrain | None, x: float, y: float) -> float:
-    """World height of the ground, metres.
+    """The height of the ground at a place, world frame, metres.
 
-    Between four given heights it is two triangles, which meet from the south-east to the
-    north-west: so they are in Bullet, and in pictures.
+    Four neighbouring heights span two triangles, whose common edge runs from the south-east to the
+    north-west: the same as in Bullet's height field and in images.
     """
     if terrain is None:
         return 0.0

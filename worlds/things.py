@@ -1,4 +1,4 @@
-"""What stands, lies and moves in a world, as shapes and looks: what physics and renderers need.
+"""The things in a world: their shapes, colours, textures and motions.
 
 World frame: metres, x east, y north, z up. Attitudes are quaternions (x, y, z, w), local to world.
 """
@@ -22,7 +22,7 @@ UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A picture file, stretched over the face it is on."""
+    """An image file, stretched over the face it is on."""
 
     path: Path
 
@@ -108,22 +108,22 @@ class Part:
     attitude: Quaternion
     color: Color
     texture: Texture | None = None
-    """On every face of a cuboid, on a plate's one; other shapes have none."""
+    """On every face of a cuboid or on a plate; other shapes have none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """A path that a thing follows at a constant speed, facing where it goes.
+    """A path that a thing follows at a constant speed, from the beginning of the run on.
 
-    Two are the same only if they are one, so that looking one up is quick however long it is.
-    Points are of the thing's origin. ``loop`` closes the path, otherwise the thing turns back at
-    both ends.
+    Compared and hashed by identity, so that to look up a long one takes no longer.
     """
 
     points: tuple[Point, ...]
+    """Of the thing's origin."""
     speed: float
     """m/s."""
     loop: bool
+    """Whether the path is closed; otherwise the thing turns back at both ends."""
     turns: bool
     """Whether its heading follows the path."""
 
@@ -134,7 +134,7 @@ class Thing:
 
     name: str
     kind: str
-    """The word it is written with: ``box``, ``house``, ``marker``, …"""
+    """``box``, ``house``, ``marker``, …"""
     at: Point
     attitude: Quaternion
     parts: tuple[Part, ...]

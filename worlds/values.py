@@ -1,4 +1,4 @@
-"""The values of world files: how each is read, and what a JSON Schema says of it.
+"""The values of world files: how each is read, and its JSON Schema.
 
 Reading raises UserError with every fault of the value, each at its place.
 """
@@ -32,21 +32,21 @@ T = TypeVar("T")
 _S = TypeVar("_S")
 _DEGREE = pi / 180
 _FAR = 1e5
-"""No place is farther from the origin, metres, and no thing larger."""
+"""The largest coordinate and the largest size, metres."""
 NAME = r"[a-z][a-z0-9_]*"
 Schema = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Value(Generic[T]):
-    """Something that can stand in a world file."""
+    """A kind of value that can stand in a world file."""
 
     read: Callable[[YamlNode], T]
     schema: Schema
 
 
 class Misfit(Exception):
-    """Values that do not go together; ``key`` says which of them to point at."""
+    """Values of a map that do not go together; ``key`` is the one that the error points at."""
 
     def __init__(self, code: str, message: str, key: str = "", hint: str | None = None) -> None:
         super().__init__(message)
@@ -85,7 +85,7 @@ def _color(node: YamlNode) -> Color:
 
 
 def word(what: str, known: Iterable[str]) -> Value[str]:
-    """One of some words."""
+    """One of some words; ``what`` names them in errors."""
     words = tuple(known)
 
     def read(node: YamlNode) -> str:
@@ -99,7 +99,7 @@ def word(what: str, known: Iterable[str]) -> Value[str]:
 
 
 def count(low: int) -> Value[int]:
-    """A whole number from ``low`` on."""
+    """A whole number of ``low`` or more."""
 
     def read(node: YamlNode) -> int:
         number = parse_number(node.text) if isinstance(node, Scalar) else None
@@ -138,7 +138,7 @@ def quantity(dimension: Dimension, low: float = -inf, high: float = inf) -> Valu
 
 
 def above_zero(dimension: Dimension, high: float) -> Value[float]:
-    """A size, a speed: a quantity above 0."""
+    """A quantity above 0, such as a size or a speed."""
     any_sign = quantity(dimension, -high, high)
 
     def read(node: YamlNode) -> float:
@@ -157,7 +157,7 @@ def above_zero(dimension: Dimension, high: float) -> Value[float]:
 
 
 def degrees(most: float) -> Value[float]:
-    """A latitude or longitude: a bare number is in degrees."""
+    """A latitude or longitude, in degrees: a bare number is in degrees too."""
     angle = quantity(ANGLE, -most * _DEGREE, most * _DEGREE)
 
     def read(node: YamlNode) -> float:
@@ -202,7 +202,7 @@ FACTOR = above_zero(RATIO, _FAR)
 
 
 def each(items: Iterable[YamlNode], read: Callable[[YamlNode], _S]) -> list[_S]:
-    """What each of some nodes says; the faults of all of them together."""
+    """Read some nodes. Raises UserError with the faults of all of them."""
     values, faults = [], list[Fault]()
     for item in items:
         try:
@@ -215,7 +215,7 @@ def each(items: Iterable[YamlNode], read: Callable[[YamlNode], _S]) -> list[_S]:
 
 
 def array(what: str, item: Value[_S], low: int, high: int | None = None) -> Value[tuple[_S, ...]]:
-    """A list of ``low`` to ``high`` values; ``what`` tells people what is wanted."""
+    """A list of ``low`` to ``high`` values; ``what`` begins the errors: "a place is [x, y]"."""
 
     def read(node: YamlNode) -> tuple[_S, ...]:
         items = node.items if isinstance(node, Sequence) else []
@@ -230,7 +230,7 @@ def array(what: str, item: Value[_S], low: int, high: int | None = None) -> Valu
 
 
 class Spot(NamedTuple):
-    """A place whose height may be left out: on the ground then."""
+    """A place whose height may be left out: then it is on the ground."""
 
     x: float
     y: float
@@ -254,7 +254,7 @@ PLACE = array("a place is [x, y, z] in metres", COORDINATE, 3, 3)
 
 
 class _Needed:
-    """The default of a key that has none."""
+    """Stands for the default of a key that has none, and so has to be given."""
 
 
 NEEDED = _Needed()
@@ -262,16 +262,16 @@ NEEDED = _Needed()
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A key of a map: what may stand there, and what holds when it is left out."""
+    """A key of a map: its kind of value, and the default."""
 
     value: Value[Any]
     default: Any = NEEDED
 
 
 def record(what: str, fields: Mapping[str, Field], build: Callable[..., T]) -> Value[T]:
-    """A map of known keys; their values become the arguments of ``build``.
+    """A map of known keys, whose values become the arguments of ``build``.
 
-    ``build`` raises Misfit where they do not go together.
+    ``build`` raises Misfit where they do not go together; ``what`` names the map in errors.
     """
 
     def read(node: YamlNode) -> T:
@@ -292,7 +292,7 @@ def record(what: str, fields: Mapping[str, Field], build: Callable[..., T]) -> V
 def read_fields(
     node: YamlNode, what: str, fields: Mapping[str, Field]
 ) -> tuple[dict[str, Any], list[Fault]]:
-    """The values of a map, defaults where they are left out, and all that is wrong with them."""
+    """The values of a map by key, with defaults, and the faults of all others."""
     if not isinstance(node, nodes.Mapping):
         fault = Fault("wrong-type", f"{what} is a map, not {kind(node)}", node.where)
         return {}, [fault]
@@ -317,7 +317,7 @@ def read_fields(
 
 
 def fields_schema(fields: Mapping[str, Field]) -> Schema:
-    """What a JSON Schema says of a map of known keys."""
+    """The JSON Schema of a map of known keys."""
     return {
         "type": "object",
         "properties": {name: field.value.schema for name, field in fields.items()},
@@ -327,14 +327,14 @@ def fields_schema(fields: Mapping[str, Field]) -> Schema:
 
 
 class Names(NamedTuple, Generic[T]):
-    """The entries of a map of names that can be read, and all that is wrong with the others."""
+    """The readable entries of a map of names, and the faults of the others."""
 
     entries: tuple[tuple[Scalar, T], ...] = ()
     faults: tuple[Fault, ...] = ()
 
 
 def names(what: str, value: Value[T]) -> Value[Names[T]]:
-    """A map of names; it raises nothing, so that the good ones are known beside the faults."""
+    """A map of names. Reading raises nothing: faults are returned beside the readable entries."""
 
     def read(node: YamlNode) -> Names[T]:
         if not isinstance(node, nodes.Mapping):

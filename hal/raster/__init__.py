@@ -1,4 +1,4 @@
-"""The renderer ``raster``: pictures by numpy and OpenCV alone."""
+"""The renderer ``raster``: images from numpy and OpenCV alone."""
 
 from hal.raster.renderer import Raster
 

@@ -1,4 +1,4 @@
-"""The ground in a picture: bands of equal detail, from the horizon to the camera's feet."""
+"""The ground in an image: bands of equal detail, from the horizon to the camera's feet."""
 
 from __future__ import annotations
 
@@ -8,46 +8,23 @@ from math import floor, hypot, inf
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from hal.raster.solids import Array
-from hal.raster.tiles import FINEST, LEVELS, SIDE, Tiles, filled
+from hal.raster.camera import PinholeCamera
+from hal.scene.arrays import Float64s, Pixels
+from hal.scene.ground_tiles import LEVELS, TILE_TEXELS, GroundTiles, texel_size
+from hal.scene.textures import uniform_image
 
-Pixels = NDArray[np.uint8]
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom of a part of an image, pixels; right and bottom are outside."""
 
-_STRETCH = 0.75
+_ANISOTROPY = 0.75
 """Between detail for the length of a pixel's footprint (1) and for its width (0)."""
-_THINNEST = 10
-"""Pixels that a band is high at least."""
-_WORTH_TURNING = 30_000
-"""Pixels of a band from which on a turned copy of its patch saves time."""
-_LARGEST = 14
-"""Tiles along a patch at most."""
-
-
-@dataclass(eq=False)
-class _Patch:
-    """Tiles of one level that lie together, as one picture."""
-
-    column: int
-    row: int
-    columns: int
-    rows: int
-    texels: Pixels
-
-    @cached_property
-    def turned(self) -> Pixels:
-        """With rows and columns changed about: reading along rows is more than twice as fast."""
-        return np.ascontiguousarray(self.texels.transpose(1, 0, 2))
-
-    def holds(self, west: int, south: int, east: int, north: int) -> bool:
-        return (
-            self.column <= west
-            and self.row <= south
-            and east < self.column + self.columns
-            and north < self.row + self.rows
-        )
-
+_LEAST_HEIGHT = 10
+"""Least height of a band, pixels."""
+_WORTH_TRANSPOSING = 30_000
+"""Pixels of a band from which on a transposed copy of its patch saves time."""
+_MOST_TILES = 14
+"""Along a patch."""
 
 _Polygon = list[tuple[float, float, float]]
 """Corners: x and y in pixels, and how far a ray of depth 1 falls there, metres."""
@@ -55,47 +32,47 @@ _Polygon = list[tuple[float, float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """A part of the picture that shows the ground at one level of detail."""
+    """A part of an image that shows the ground at one level of detail."""
 
     polygon: _Polygon
-    """Convex, in pixels."""
+    """Convex."""
     level: int | None
-    """None for the plain ground at the horizon."""
+    """The level of detail of the tiles; None for ground of one colour, at the horizon."""
 
     @property
-    def corners(self) -> Array:
+    def corners(self) -> Float64s:
         """(n, 2), pixels."""
         return np.array(self.polygon)[:, :2]
 
 
-class GroundView:
-    """How a camera sees the ground at one moment."""
+class GroundProjection:
+    """The projection between an image and the flat ground at z = 0."""
 
-    def __init__(self, eye: Array, turn: Array, matrix: Array, height: float) -> None:
-        """``turn`` rotates optical axes into the world, ``matrix`` is the camera's 3 × 3.
-
-        ``height`` is the camera's above the ground; at or below 0 nothing of the ground is seen.
-        """
-        self.height = height
-        rays = turn @ cv2.invert(matrix)[1]
-        # A ray's fall is a linear function of the pixel, and the inverse of its depth.
-        self.fall = -rays[2]
-        self.to_ground = np.stack(
+    def __init__(self, camera: PinholeCamera) -> None:
+        eye = camera.eye
+        self.height = float(eye[2])
+        """The camera's height above the ground, metres; at 0 and below it sees nothing of it."""
+        rays = camera.rotation @ cv2.invert(camera.matrix)[1]
+        self._fall = -rays[2]
+        """Scalar product with (x, y, 1): the fall of a ray of depth 1 through a pixel, metres."""
+        to_ground = np.stack(
             [
-                eye[0] * rays[2] - height * rays[0],
-                eye[1] * rays[2] - height * rays[1],
+                eye[0] * rays[2] - self.height * rays[0],
+                eye[1] * rays[2] - self.height * rays[1],
                 rays[2],
             ]
         )
-        self.to_ground_rows: list[list[float]] = self.to_ground.tolist()
-        self._focal = (matrix[0, 0] + matrix[1, 1]) / 2
-        self._tilt = hypot(turn[2, 0], turn[2, 1])
+        self.to_ground: list[list[float]] = to_ground.tolist()
+        """Homography (3 × 3, rows) from (x, y, 1) of a pixel to the world's x and y, metres."""
+        self._focal = (camera.matrix[0, 0] + camera.matrix[1, 1]) / 2
+        self._level_share = hypot(camera.rotation[2, 0], camera.rotation[2, 1])
+        """Length of the image's axes in the vertical: 0 looking straight down, 1 looking ahead."""
 
     def bands(self, width: int, height: int) -> list[Band]:
-        """The bands of a picture, from the horizon down."""
+        """The bands of an image of that size, from the horizon down."""
         if self.height <= 0:
             return []
-        a, b, c = self.fall.tolist()
+        a, b, c = self._fall.tolist()
         corners = (-1.0, -1.0), (-1.0, float(height)), (float(width), float(height)), (width, -1.0)
         rest: _Polygon = [(x, y, a * x + b * y + c) for x, y in corners]
         steepest = max(fall for _, _, fall in rest)
@@ -103,17 +80,17 @@ class GroundView:
             return []
         found: list[Band] = []
         per_pixel = hypot(a, b)
-        upper, coarsest = self.height / self._depth(LEVELS), LEVELS - 1
+        upper, coarsest = self.height / self._depth_of_level(LEVELS), LEVELS - 1
         _, rest = _split(rest, 0.0)
         plain, rest = _split(rest, upper)
         if len(plain) >= 3:
             found.append(Band(plain, None))
         for level in range(LEVELS - 1, -1, -1):
-            near = self._depth(level) if level else 0.0
+            near = self._depth_of_level(level) if level else 0.0
             lower = self.height / near if near else inf
             last = lower >= steepest
             # Towards the horizon several levels share a band: each costs time.
-            if last or lower - upper > _THINNEST * per_pixel:
+            if last or lower - upper > _LEAST_HEIGHT * per_pixel:
                 band, rest = (rest, []) if last else _split(rest, lower)
                 if len(band) >= 3:
                     found.append(Band(band, (level + coarsest + 1) // 2))
@@ -122,13 +99,13 @@ class GroundView:
                 break
         return found
 
-    def _depth(self, level: int) -> float:
-        """Depth at which the footprint of a pixel is half-way between two levels."""
-        reach = FINEST * 2 ** (level - 0.5) * self._focal
-        stretched = self.height / max(self._tilt, 1e-9)
+    def _depth_of_level(self, level: int) -> float:
+        """The depth where a pixel's footprint is half-way between a level and the finer one, m."""
+        reach = texel_size(0) * 2 ** (level - 0.5) * self._focal
+        stretched = self.height / max(self._level_share, 1e-9)
         if reach <= stretched:
             return float(reach)
-        return float((reach * stretched**_STRETCH) ** (1 / (1 + _STRETCH)))
+        return float((reach * stretched**_ANISOTROPY) ** (1 / (1 + _ANISOTROPY)))
 
 
 def _split(polygon: _Polygon, bound: float) -> tuple[_Polygon, _Polygon]:
@@ -146,49 +123,77 @@ def _split(polygon: _Polygon, bound: float) -> tuple[_Polygon, _Polygon]:
     return below, above
 
 
-class GroundPainter:
-    """Draws bands of a ground."""
+@dataclass(eq=False)
+class _Patch:
+    """Tiles of one level that lie together, as one image."""
 
-    def __init__(self, tiles: Tiles) -> None:
+    column: int
+    """The column of its western tiles."""
+    row: int
+    """The row of its southern tiles."""
+    columns: int
+    rows: int
+    texels: Pixels
+
+    @cached_property
+    def transposed(self) -> Pixels:
+        """Rows and columns exchanged: to read along rows is more than twice as fast."""
+        return np.ascontiguousarray(self.texels.transpose(1, 0, 2))
+
+    def holds(self, west: int, south: int, east: int, north: int) -> bool:
+        """Whether it has all tiles of these columns and rows, the last ones included."""
+        return (
+            self.column <= west
+            and self.row <= south
+            and east < self.column + self.columns
+            and north < self.row + self.rows
+        )
+
+
+class GroundPainter:
+    """Draws bands of a ground; keeps the last patch of each level."""
+
+    def __init__(self, tiles: GroundTiles) -> None:
         self._tiles = tiles
         self._patches: dict[int, _Patch] = {}
 
     def draw(
-        self,
-        view: GroundView,
-        band: Band,
-        box: tuple[int, int, int, int],
-        into: Pixels | None = None,
+        self, ground: GroundProjection, band: Band, box: Box, into: Pixels | None = None
     ) -> Pixels:
-        """The pixels of a box (left, top, right, bottom; the last ones outside) of a band.
+        """The BGRA pixels of a box of the image, all of which show the band.
 
-        They are drawn into a picture of the box's size, if one is given.
+        They are drawn into an image of the box's size, if one is given.
         """
         left, top, right, bottom = box
         if band.level is None:
-            plain = filled(right - left, bottom - top, self._tiles.beyond)
+            plain = uniform_image(right - left, bottom - top, self._tiles.color_beyond)
             if into is not None:
                 into[:] = plain
             return plain
-        patch = self._patch(view, band, band.level)
+        patch = self._patch(ground, band, band.level)
         # From a pixel of the box to the ground, and on to the texel of the patch.
-        texel, (g, h, i) = FINEST * 2**band.level, view.to_ground_rows[2]
+        texel, (g, h, i) = texel_size(band.level), ground.to_ground[2]
         i += g * left + h * top
         rows = []
         for (a, b, c), begin in zip(
-            view.to_ground_rows, (patch.column * SIDE + 0.5, patch.row * SIDE + 0.5), strict=False
+            ground.to_ground,
+            (patch.column * TILE_TEXELS + 0.5, patch.row * TILE_TEXELS + 0.5),
+            strict=False,
         ):
             c = (c + a * left + b * top) / texel - begin * i
             rows.append([a / texel - begin * g, b / texel - begin * h, c])
-        way, texels = np.array([*rows, [g, h, i]]), patch.texels
-        x, y, w = (way @ ((right - left) / 2, (bottom - top) / 2, 1.0)).tolist()
-        large = (right - left) * (bottom - top) > _WORTH_TURNING
-        if large and abs(way[1, 0] * w - y * way[2, 0]) > abs(way[0, 0] * w - x * way[2, 0]):
-            way, texels = way[[1, 0, 2]], patch.turned
+        to_texels, texels = np.array([*rows, [g, h, i]]), patch.texels
+        x, y, w = (to_texels @ ((right - left) / 2, (bottom - top) / 2, 1.0)).tolist()
+        large = (right - left) * (bottom - top) > _WORTH_TRANSPOSING
+        down, along = (
+            abs(to_texels[k, 0] * w - place * to_texels[2, 0]) for k, place in ((1, y), (0, x))
+        )
+        if large and down > along:
+            to_texels, texels = to_texels[[1, 0, 2]], patch.transposed
         return np.asarray(
             cv2.warpPerspective(
                 texels,
-                way,
+                to_texels,
                 (right - left, bottom - top),
                 into,
                 flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
@@ -197,18 +202,19 @@ class GroundPainter:
             np.uint8,
         )
 
-    def _patch(self, view: GroundView, band: Band, level: int) -> _Patch:
-        side = FINEST * 2**level * SIDE
-        (a, b, c), (d, e, f), (g, h, i) = view.to_ground_rows
+    def _patch(self, ground: GroundProjection, band: Band, level: int) -> _Patch:
+        """A patch that has all the tiles which a band shows."""
+        side = texel_size(level) * TILE_TEXELS
+        (a, b, c), (d, e, f), (g, h, i) = ground.to_ground
         places = [
             ((a * x + b * y + c) / w, (d * x + e * y + f) / w)
             for x, y, _ in band.polygon
             for w in [(g * x + h * y + i) * side]
         ]
         x, y = [place[0] for place in places], [place[1] for place in places]
-        room = 1 / SIDE
-        west, east = floor(min(x) - room), floor(max(x) + room)
-        south, north = floor(min(y) - room), floor(max(y) + room)
+        margin = 1 / TILE_TEXELS
+        west, east = floor(min(x) - margin), floor(max(x) + margin)
+        south, north = floor(min(y) - margin), floor(max(y) + margin)
         patch = self._patches.get(level)
         if patch is None or not patch.holds(west, south, east, north):
             patch = self._patches[level] = self._assemble(level, west, south, east, north)
@@ -216,11 +222,12 @@ class GroundPainter:
 
     def _assemble(self, level: int, west: int, south: int, east: int, north: int) -> _Patch:
         columns, rows = east - west + 1, north - south + 1
-        held = min(columns, _LARGEST), min(rows, _LARGEST)
-        texels = np.empty((held[1] * SIDE, held[0] * SIDE, 4), np.uint8)
-        for r in range(held[1]):
-            for c in range(held[0]):
-                texels[r * SIDE : (r + 1) * SIDE, c * SIDE : (c + 1) * SIDE] = self._tiles.tile(
-                    level, west + c, south + r
-                )
+        # Of a patch that would be too large the far tiles are left out, and its rim drawn on there.
+        kept_columns, kept_rows = min(columns, _MOST_TILES), min(rows, _MOST_TILES)
+        side = TILE_TEXELS
+        texels = np.empty((kept_rows * side, kept_columns * side, 4), np.uint8)
+        for r in range(kept_rows):
+            for c in range(kept_columns):
+                tile = self._tiles.tile(level, west + c, south + r)
+                texels[r * side : (r + 1) * side, c * side : (c + 1) * side] = tile
         return _Patch(west, south, columns, rows, texels)

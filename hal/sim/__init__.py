@@ -1,7 +1,7 @@
 """The simulator: deterministic, without a window, many times faster than the clock."""
 
 from hal.sim.bullet import Bullet
-from hal.sim.cameras import DEFAULT_CAMERAS, CameraSpec
+from hal.sim.sensors.camera_spec import DEFAULT_CAMERAS, CameraSpec
 from hal.sim.session import SimSession
 from hal.sim.vehicle import CAPABILITIES as _FLYING
 from hal.vehicle import Options, Session
@@ -9,7 +9,7 @@ from vencejo.errors import UserError
 from worlds import find_world
 
 CAPABILITIES = _FLYING | {f"camera.{name}" for name in DEFAULT_CAMERAS}
-"""What a vehicle can do unless its settings say otherwise."""
+"""The capabilities of a vehicle with the default settings."""
 
 __all__ = ["CAPABILITIES", "CameraSpec", "SimSession", "open_session"]
 
@@ -17,9 +17,10 @@ __all__ = ["CAPABILITIES", "CameraSpec", "SimSession", "open_session"]
 def open_session(options: Options) -> Session:
     """Open the simulator on the world of the options, or on ``empty``; use it in a ``with``.
 
-    Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``cameras``, what
-    they are like (see :func:`hal.sim.cameras.read_cameras`); ``renderer``, the name of one (see
-    :data:`hal.rendering.RENDERERS`); ``shadows``, whether pictures have them.
+    Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``cameras`` (see
+    :func:`hal.sim.sensors.camera_spec.read_cameras`); ``sensors`` (see
+    :func:`hal.sim.sensors.rangefinder.read_rangefinders`); ``renderer``, the name of one (see
+    :mod:`hal.renderers`); ``shadows``, whether images have them.
     Raises UserError for a world or settings that are wrong, VehicleError without pybullet.
     """
     if options.address is not None:

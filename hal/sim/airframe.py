@@ -17,9 +17,9 @@ class Airframe:
     inertia: tuple[float, float, float] = (2.237568e-3, 2.985236e-3, 4.80374e-3)
     """About the body's x, y and z, kg·m²."""
     arm: float = 0.1785
-    """From the middle to a motor, metres."""
+    """Distance from the centre to a motor, metres."""
     size: tuple[float, float, float] = (0.52, 0.52, 0.12)
-    """Of the body that touches things, hull included, metres."""
+    """The box that collides with things, hull included, along the body's axes, metres."""
     max_thrust: float = 8.5
     """All four motors together, newtons; about twice the weight."""
     drag_ratio: float = 0.0301
@@ -41,11 +41,14 @@ class Airframe:
 
     @property
     def height(self) -> float:
-        """From the skids to the centre of mass, metres."""
+        """Height of the centre of mass above the skids, metres."""
         return self.size[2] / 2
 
     @property
     def max_torques(self) -> tuple[float, float]:
-        """About a level axis and about z, N·m: half of the thrust range, given to two motors."""
+        """Largest torques about a horizontal body axis and about z, N·m.
+
+        Two motors give half of the whole thrust for it.
+        """
         half = self.max_thrust / 2
         return half * self.arm / 2, half * self.drag_ratio

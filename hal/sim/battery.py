@@ -1,4 +1,4 @@
-"""The battery: charge in, thrust out."""
+"""The battery, which thrust drains."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from hal.sim.physics import GRAVITY
 
 
 class Battery:
-    """A charge that thrust drains.
+    """A battery's charge.
 
-    A rotor's power grows with its thrust to the power of 3/2 (momentum theory); the factor is the
-    one that empties a full battery in the airframe's hovering endurance.
+    A rotor's power is proportional to its thrust to the power of 3/2 (momentum theory in hover);
+    the factor is the one that empties a full battery in the airframe's hovering endurance.
     """
 
     def __init__(self, airframe: Airframe, charge: float) -> None:
         self.charge = charge
-        """What is left, 0 to 1."""
+        """Charge left, 0 to 1."""
         self._capacity = airframe.capacity
         self._standby = airframe.standby_power
         hover_power = airframe.capacity / airframe.endurance
@@ -27,6 +27,6 @@ class Battery:
         return self.charge <= 0.0
 
     def drain(self, thrust: float, seconds: float) -> None:
-        """Deliver a mean thrust (newtons, 0 with the motors off) for a time."""
+        """Take out the energy of a mean thrust (newtons, 0 with the motors off) for a time (s)."""
         power = self._standby + self._factor * thrust**1.5
         self.charge = max(0.0, self.charge - power * seconds / self._capacity)

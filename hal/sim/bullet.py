@@ -13,22 +13,30 @@ from importlib.metadata import version
 from math import dist, inf
 from typing import Any
 
+from hal.sim.body_registry import BodyPieces, BodyRegistry
+from hal.sim.collision_shapes import (
+    Piece,
+    chunks,
+    compound,
+    height_field,
+    mesh,
+    pieces_of,
+    ray_mesh,
+)
 from hal.sim.movers import Mover
-from hal.sim.physics import GRAVITY, STEP, State, Touches, Triple
-from hal.sim.register import Register, Solid
-from hal.sim.shapes import Piece, chunks, compound, hills, mesh, pieces_of, skin
+from hal.sim.physics import GRAVITY, STEP, Contacts, State, Triple
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
 
-_RAY, _FIXED, _FREE, _SEEN = 1, 2, 4, 8
-"""Groups. Two bodies meet when either's mask has the other's group; a ray, which is of group 1,
-meets a body when both do.
+_RAY, _FIXED, _FREE, _RAY_MESH = 1, 2, 4, 8
+"""Collision groups. Two bodies collide when either's mask has the other's group; a ray, which is of
+group 1, hits a body when both do.
 """
 _GAP = 0.005
-"""Bodies this near touch, metres: Bullet tells of contacts a little before."""
-_BELOW = 0.5
-"""What pushes up more than this carries: the sine of the contact's slope."""
+"""Bodies this near touch, metres: Bullet reports contacts a little before."""
+_SUPPORTING = 0.5
+"""A contact whose normal points up more than this supports: the sine of its steepness."""
 _ORIGIN = Point(0.0, 0.0, 0.0)
 
 
@@ -51,13 +59,13 @@ def load_pybullet() -> Any:
 
 @contextmanager
 def shut(*streams: int) -> Iterator[None]:
-    """Send what C code writes to nowhere; replacing Python's own streams does not reach it.
+    """Discard what C code writes to these file descriptors (1: standard output, 2: error).
 
-    1 is the output, 2 that of complaints.
+    To replace Python's own streams does not reach it.
     """
     try:
         kept = [(stream, os.dup(stream)) for stream in streams]
-    except OSError:  # closed already
+    except OSError:  # closed already: nothing can be written
         yield
         return
     nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -85,9 +93,9 @@ class Bullet:
             raise VehicleError("no-physics", "pybullet has no room for another simulation")
         p.setTimeStep(STEP, self._client)
         p.setGravity(0, 0, -GRAVITY, self._client)
-        # Contacts come in an order of their own; without this it may differ from run to run.
+        # The order of contacts is Bullet's own; without this it may differ from run to run.
         p.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=self._client)
-        self._register = Register(p, self._client)
+        self._registry = BodyRegistry(p, self._client)
         self._steps = 0
         self._movers: list[Mover] = []
         self._fix(p.createCollisionShape(p.GEOM_PLANE, physicsClientId=self._client))
@@ -99,7 +107,7 @@ class Bullet:
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
         p, client = self._p, self._client
         if terrain is not None:
-            shape, middle = hills(p, client, terrain)
+            shape, middle = height_field(p, client, terrain)
             self._fix(shape, at=middle)
         pieces = [piece for each in things if each.motion is None for piece in pieces_of(each)]
         cuboids = [piece for piece in pieces if isinstance(piece.shape, Cuboid)]
@@ -107,7 +115,7 @@ class Bullet:
         # One body per sixteen shapes: each static body by itself would cost time at every step.
         for chunk in chunks(cuboids):
             self._fix(compound(p, client, chunk), chunk, mask=_FREE)
-            self._fix(skin(p, client, chunk), chunk, group=_SEEN, mask=_RAY)
+            self._fix(ray_mesh(p, client, chunk), chunk, group=_RAY_MESH, mask=_RAY)
         for chunk in chunks(round_ones):
             self._fix(compound(p, client, chunk), chunk)
         for piece in pieces:
@@ -117,7 +125,7 @@ class Bullet:
             if each.motion is not None:
                 for chunk in chunks(pieces_of(each)):
                     mover = Mover(p, client, each, chunk)
-                    self._settle(mover.body, _FIXED, _FREE | _RAY, Solid(chunk, moves=True))
+                    self._register(mover.body, _FIXED, _FREE | _RAY, BodyPieces(chunk, moves=True))
                     self._movers.append(mover)
 
     def _fix(
@@ -133,13 +141,14 @@ class Bullet:
         body = self._p.createMultiBody(
             0, shape, -1, at, useMaximalCoordinates=1, physicsClientId=self._client
         )
-        self._settle(body, group, mask, Solid(pieces))
+        self._register(body, group, mask, BodyPieces(pieces))
 
-    def _settle(self, body: int, group: int, mask: int, solid: Solid) -> None:
+    def _register(self, body: int, group: int, mask: int, pieces: BodyPieces) -> None:
+        """Set a new body's collision groups and friction, and remember what it consists of."""
         p, client = self._p, self._client
         p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=client)
         p.changeDynamics(body, -1, lateralFriction=0.8, restitution=0, physicsClientId=client)
-        self._register.add(body, solid)
+        self._registry.add(body, pieces)
 
     def add_body(
         self,
@@ -158,7 +167,7 @@ class Bullet:
             mass, shape, -1, position, attitude, physicsClientId=self._client
         )
         piece = Piece(name, Cuboid(Point(*size)), _ORIGIN, UPRIGHT)
-        self._settle(body, _FREE, _FIXED | _FREE, Solid([piece], moves=True))
+        self._register(body, _FREE, _FIXED | _FREE, BodyPieces([piece], moves=True))
         p.changeDynamics(
             body,
             -1,
@@ -167,7 +176,7 @@ class Bullet:
             angularDamping=0,
             physicsClientId=self._client,
         )
-        return BulletBody(p, self._client, body, self._register)
+        return BulletBody(p, self._client, body, self._registry)
 
     def step(self) -> None:
         for mover in self._movers:
@@ -179,18 +188,18 @@ class Bullet:
         hit = self._cast([start], [end])[0]
         return Point(*hit[3]) if hit[0] >= 0 else None
 
-    def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> BulletEchoes:
+    def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> BulletRayHits:
         hits = self._cast(starts, ends)
         lengths = map(dist, starts, ends)
         distances = [
             hit[2] * length if hit[0] >= 0 else inf
             for hit, length in zip(hits, lengths, strict=True)
         ]
-        return BulletEchoes(distances, hits, self._register)
+        return BulletRayHits(distances, hits, self._registry)
 
     def _cast(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> Any:
         return self._p.rayTestBatch(
-            starts, ends, collisionFilterMask=_FIXED | _SEEN, physicsClientId=self._client
+            starts, ends, collisionFilterMask=_FIXED | _RAY_MESH, physicsClientId=self._client
         )
 
     def close(self) -> None:
@@ -199,22 +208,22 @@ class Bullet:
             self._client = -1
 
 
-class BulletEchoes:
-    """What rays met (see :class:`hal.sim.physics.Echoes`); names are found when asked for."""
+class BulletRayHits:
+    """Ray hits (see :class:`hal.sim.physics.RayHits`) whose names are found when asked for."""
 
-    def __init__(self, distances: Sequence[float], hits: Any, register: Register) -> None:
+    def __init__(self, distances: Sequence[float], hits: Any, registry: BodyRegistry) -> None:
         self.distances = distances
-        self._hits, self._register = hits, register
+        self._hits, self._registry = hits, registry
 
     def name(self, ray: int) -> str | None:
         body, _, _, place, _ = self._hits[ray]
-        return self._register.name_at(body, place) if body >= 0 else None
+        return self._registry.name_at(body, place) if body >= 0 else None
 
 
 class BulletBody:
     """A body of that world (see :class:`hal.sim.physics.Body`)."""
 
-    def __init__(self, p: Any, client: int, body: int, register: Register) -> None:
+    def __init__(self, p: Any, client: int, body: int, registry: BodyRegistry) -> None:
         # Bound once, since these run at every step.
         self._position = partial(p.getBasePositionAndOrientation, body, client)
         self._velocity = partial(p.getBaseVelocity, body, client)
@@ -223,7 +232,7 @@ class BulletBody:
         self._contacts = partial(p.getContactPoints, body, physicsClientId=client)
         self._own_axes = p.LINK_FRAME
         self._client = client
-        self._register = register
+        self._registry = registry
 
     def state(self) -> State:
         position, attitude = self._position()
@@ -235,19 +244,21 @@ class BulletBody:
         self._force((0.0, 0.0, thrust), (0.0, 0.0, 0.0), axes, client)
         self._torque((x, y, z), axes, client)
 
-    def touches(self) -> Touches:
-        carrier: Triple | None = None
+    def contacts(self) -> Contacts:
+        support: Triple | None = None
         beside = []
-        # Fields 2 and 6: the other body, and where on it; 7: the contact's normal, from the other
-        # towards this one; 8: the gap.
+        # Fields of a contact: 2 and 6 are the other body and the place on it, 7 the contact's
+        # normal from the other towards this one, 8 the gap.
         for contact in self._contacts():
             if contact[8] >= _GAP:
                 continue
-            if contact[7][2] > _BELOW:
-                carrier = carrier or self._register.velocity_at(contact[2], contact[6])
+            if contact[7][2] > _SUPPORTING:
+                support = support or self._registry.velocity_at(contact[2], contact[6])
             else:
-                beside.append(self._register.name_at(contact[2], contact[6]))
-        return Touches(carrier, tuple(name for name in beside if name))
+                beside.append(self._registry.name_at(contact[2], contact[6]))
+        return Contacts(support, tuple(name for name in beside if name))
 
     def supported(self) -> bool:
-        return any(contact[7][2] > _BELOW and contact[8] < _GAP for contact in self._contacts())
+        return any(
+            contact[7][2] > _SUPPORTING and contact[8] < _GAP for contact in self._contacts()
+        )

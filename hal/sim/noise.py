@@ -1,4 +1,4 @@
-"""Command noise: what keeps a real vehicle from flying exactly the velocity it was told."""
+"""Command noise: the difference between the velocity commanded and the one that is flown."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from random import Random
 _DRIFT = 0.03
 """Largest drift per axis, m/s."""
 _DRIFT_TIME = 200
-"""Mission periods that a drift is held: 5 s."""
+"""Mission periods for which one drift is held: 5 s."""
 _SMALL = 0.05
 """Largest noise per axis and mission period, m/s."""
 

@@ -1,4 +1,4 @@
-"""What the simulator asks of a physics engine, and no more."""
+"""The seam to a physics engine: what the simulator asks of one, and no more."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import NamedTuple, Protocol
 from vencejo.geometry import Point, Quaternion
 from worlds.things import Terrain, Thing
 
-STEP = 1 / 240
+STEPS_PER_SECOND = 240
+STEP = 1 / STEPS_PER_SECOND
 """Seconds of one physics step."""
 GRAVITY = 9.80665
 """Standard gravity, m/s²."""
@@ -18,51 +19,54 @@ State = tuple[Triple, Quaternion, Triple, Triple]
 """Position of the centre of mass, attitude (x, y, z, w), velocity, turn rates; world frame."""
 
 
-class Touches(NamedTuple):
-    """What a body is in contact with."""
+class Contacts(NamedTuple):
+    """The contacts of a body, split by whether they carry it."""
 
-    carrier: Triple | None = None
-    """How what is below it moves where they touch, m/s, world frame; None for nothing below."""
+    support_velocity: Triple | None = None
+    """Velocity of what is below the body, where they touch, m/s, world frame; None for nothing."""
     beside: tuple[str, ...] = ()
     """Names of the things and bodies it touches elsewhere; the ground has none."""
 
 
-class Echoes(Protocol):
-    """What a batch of rays met."""
+class RayHits(Protocol):
+    """The first hit of each ray of a batch, by the number of the ray."""
 
     @property
     def distances(self) -> Sequence[float]:
-        """Metres along each ray; infinite where it met nothing."""
+        """Metres along each ray; infinite where it hit nothing."""
 
     def name(self, ray: int) -> str | None:
-        """Of what the ray met: empty for the ground, None for nothing."""
+        """The name of the thing that was hit: empty for the ground, None for nothing."""
 
 
 class Body(Protocol):
     """A rigid body that moves freely."""
 
     def state(self) -> State:
-        """Where it is and how it moves."""
+        """Its pose and velocities after the last step."""
 
     def push(self, thrust: float, x: float, y: float, z: float) -> None:
-        """A force along its own z and torques about its own axes, during the next step."""
+        """Apply a force (N) along its own z and torques (N·m) about its own axes for one step."""
 
-    def touches(self) -> Touches:
-        """What it is in contact with since the last step."""
+    def contacts(self) -> Contacts:
+        """Its contacts in the last step."""
 
     def supported(self) -> bool:
         """Whether it touches something below it."""
 
 
 class Physics(Protocol):
-    """A world with flat ground at z = 0, solid things and free bodies. Metres, newtons, seconds."""
+    """A world with flat ground at z = 0, solid things and free bodies.
+
+    World frame; metres, newtons, seconds.
+    """
 
     @property
     def name(self) -> str:
         """The engine and its version."""
 
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
-        """Put up what is solid; what moves follows its path exactly and carries what is on it."""
+        """Add what is solid; a thing that moves keeps to its path and carries what is on it."""
 
     def add_body(
         self,
@@ -73,23 +77,26 @@ class Physics(Protocol):
         attitude: Quaternion,
         name: str = "",
     ) -> Body:
-        """A free cuboid; its centre of mass is its middle."""
+        """Add a cuboid that moves freely, its centre of mass in its middle.
+
+        ``mass`` is in kg, ``inertia`` about its own axes in kg·m², ``size`` along them in metres.
+        """
 
     def step(self) -> None:
         """Advance by :data:`STEP`."""
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
-        """Where a ray first meets the ground or a thing; bodies are transparent to it."""
+        """The place where a ray first hits the ground or a thing; it passes through free bodies."""
 
-    def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> Echoes:
-        """What many rays meet first, as :meth:`ray`."""
+    def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> RayHits:
+        """The first hits of many rays, as :meth:`ray`."""
 
     def close(self) -> None:
         """Give the engine's memory back."""
 
 
 def in_body(vector: Triple, q: Quaternion) -> Point:
-    """A world-frame vector in the axes of a body of that attitude."""
+    """A vector of the world frame in the axes of a body of that attitude (body to world)."""
     (a, b, c), (x, y, z, w) = vector, q
     # v + 2·w·(v × q) + 2·(v × q) × q: the rotation by the inverse of q.
     p, r, t = 2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from hal.scene.appearance import quadrotor
 from hal.sim.airframe import Airframe
-from hal.sim.cameras import SimCamera, Studio
-from hal.sim.looks import quadrotor
 from hal.sim.noise import CommandNoise
+from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
+from hal.sim.sensors.camera import RenderContext, SimCamera
+from hal.sim.sensors.rangefinder import SimRangefinder
 from hal.sim.settings import read_settings
-from hal.sim.skyline import Skyline
 from hal.sim.vehicle import STEPS, SimVehicle
 from hal.vehicle import Options
 from vencejo.errors import UserError, VehicleError
@@ -34,7 +35,7 @@ class SimSession:
         starts = start_poses(world, options.vehicles)
         airframe = Airframe()
         physics.add_things(world.things, world.ground.terrain)
-        skyline = Skyline(world.things, world.ground.terrain)
+        obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
         alone = len(options.vehicles) == 1
         self._physics: Physics | None = physics
         self._engine = physics.name
@@ -50,19 +51,30 @@ class SimSession:
                 start=start,
                 charge=world.battery,
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
-                skyline=skyline if alone else None,
+                obstacles=obstacles if alone else None,
             )
             for name, start in zip(options.vehicles, starts, strict=True)
         ]
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
-        self._studio = Studio(world, settings.renderer, settings.shadows, options.seed)
+        context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
+        self._render_context = context
+        self._rangefinders: list[SimRangefinder] = []
         for vehicle in self._all:
-            self._studio.tracks[vehicle.name] = vehicle.track
-            self._studio.looks[vehicle.name] = quadrotor(vehicle.name, airframe)
+            name = vehicle.name
+            context.pose_histories[name] = vehicle.pose_history
+            context.appearances[name] = quadrotor(name, arm=airframe.arm, size=airframe.size)
             vehicle.cameras = {
-                name: SimCamera(vehicle.name, name, spec, self._studio, self._steps)
-                for name, spec in settings.cameras.items()
+                camera: SimCamera(name, camera, spec, context, self._steps)
+                for camera, spec in settings.cameras.items()
             }
+            sensors = {
+                sensor: SimRangefinder(spec, physics, vehicle.pose_history)
+                for sensor, spec in settings.sensors.items()
+            }
+            vehicle.sensors = sensors
+            self._rangefinders += sensors.values()
+        for rangefinder in self._rangefinders:
+            rangefinder.sample(0)
 
     @property
     def vehicles(self) -> Mapping[str, SimVehicle]:
@@ -87,12 +99,15 @@ class SimSession:
         vehicles, step = self._all, self._physics.step
         for vehicle in vehicles:
             vehicle.plan()
-        for _ in range(STEPS):
+        before = self._steps()
+        for steps in range(before + 1, before + STEPS + 1):
             for vehicle in vehicles:
                 vehicle.drive()
             step()
             for vehicle in vehicles:
                 vehicle.sense()
+            for rangefinder in self._rangefinders:
+                rangefinder.sample(steps)
         self._count += 1
         time = self._count / _PERIODS_PER_SECOND
         for vehicle in vehicles:
@@ -106,7 +121,7 @@ class SimSession:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self._studio.close()
+        self._render_context.close()
         if self._physics is not None:
             self._physics.close()
             self._physics = None

@@ -6,28 +6,34 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-from hal.rendering import check_renderer
-from hal.sim.cameras import CameraSpec, read_cameras
+from hal.renderers import check_renderer
+from hal.sim.sensors.camera_spec import CameraSpec, read_cameras
+from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 
-_KNOWN = ("noise", "cameras", "renderer", "shadows")
+_KNOWN = ("noise", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How the simulator is to be."""
+    """The simulator's settings, checked."""
 
     noise: float
     """Scale of the command noise, 0 for none."""
     cameras: Mapping[str, CameraSpec]
     """On every vehicle."""
+    sensors: Mapping[str, RangefinderSpec]
+    """On every vehicle."""
     renderer: str
     shadows: bool
-    """Whether what stands on the ground darkens it in pictures."""
+    """Whether things cast shadows on the ground in images."""
 
 
 def read_settings(given: Mapping[str, object]) -> Settings:
-    """Check what was given. Raises UserError for settings that are none, or wrong."""
+    """The settings from what was given, defaults for the rest.
+
+    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-renderer``).
+    """
     for name in given:
         if name not in _KNOWN:
             raise UserError(
@@ -48,6 +54,7 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     return Settings(
         float(noise),
         read_cameras(given.get("cameras")),
+        read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
         shadows,
     )

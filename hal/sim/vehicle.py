@@ -8,13 +8,13 @@ from math import isfinite
 from hal.orders import Orders
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
-from hal.sim.cameras import Track
+from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.control import Controller
-from hal.sim.footing import REST, Footing
 from hal.sim.limits import set_limits
 from hal.sim.noise import CommandNoise
+from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics, State, in_body
-from hal.sim.skyline import Skyline
+from hal.sim.pose_history import PoseHistory
 from hal.vehicle import (
     PERIOD,
     Camera,
@@ -62,9 +62,9 @@ class SimVehicle:
         start: Start,
         charge: float,
         noise: CommandNoise,
-        skyline: Skyline | None,
+        obstacles: ObstacleHeightGrid | None,
     ) -> None:
-        """``skyline`` tells where there is something to touch; without it that is everywhere."""
+        """``obstacles`` tells where there is something to touch; without it that is everywhere."""
         self._name = name
         self._airframe = airframe
         self._body = physics.add_body(
@@ -76,15 +76,15 @@ class SimVehicle:
             name,
         )
         self._state: State = self._body.state()
-        self.track = Track()
-        """Where the body was: pictures show the past."""
-        self._keep = self.track.states.append
+        self.pose_history = PoseHistory()
+        self._keep = self.pose_history.append
         self._keep(self._state)
         self.cameras: Mapping[str, Camera] = {}
+        self.sensors: Mapping[str, Sensor] = {}
         self._controller = Controller(airframe)
         self._battery = Battery(airframe, charge)
         self._noise = noise
-        self._footing = Footing(physics, self._body, airframe.height, skyline)
+        self._footing = ContactTracker(physics, self._body, airframe.height, obstacles)
         self._home = start.at
         self._time = 0.0
         self._mode = "landed"
@@ -112,7 +112,8 @@ class SimVehicle:
 
     @property
     def capabilities(self) -> frozenset[str]:
-        return CAPABILITIES | {f"camera.{name}" for name in self.cameras}
+        cameras = {f"camera.{name}" for name in self.cameras}
+        return CAPABILITIES | cameras | {f"sensor.{name}" for name in self.sensors}
 
     def observe(self) -> Observation:
         if self._observation is None:
@@ -292,7 +293,10 @@ class SimVehicle:
         return self.cameras[name]
 
     def sensor(self, name: str) -> Sensor:
-        raise Unavailable(f"the simulated vehicle has no sensor '{name}'")
+        if name not in self.sensors:
+            known = ", ".join(self.sensors) or "none"
+            raise Unavailable(f"the simulated vehicle has no sensor '{name}' (it has: {known})")
+        return self.sensors[name]
 
     def send_vision_pose(self, pose: VisionPose) -> None:
         raise Unavailable("the simulated vehicle takes no vision poses: it knows where it is")

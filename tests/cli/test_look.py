@@ -10,7 +10,7 @@ import pytest
 
 from cli.look import LENS, view
 from cli.options import cameras
-from hal.raster.solids import rotation
+from hal.scene.transforms import rotation_matrix
 from tests.cli.run_cli import run_cli
 from vencejo.geometry import Point
 from worlds import find_world, world_names
@@ -30,13 +30,13 @@ def test_from_a_place_of_ones_own() -> None:
     world = find_world("yard")
     at, attitude = view(world, "front", (1.0, 2.0, 3.0, 0.0))
     assert at == (1.0, 2.0, 3.0)
-    assert rotation(attitude)[:, 2].tolist() == pytest.approx([1, 0, 0])
+    assert rotation_matrix(attitude)[:, 2].tolist() == pytest.approx([1, 0, 0])
     at, attitude = view(world, "down", None)
     assert at == (0.0, 0.0, 10.0)
-    assert rotation(attitude)[:, 2].tolist() == pytest.approx([0, 0, -1])
+    assert rotation_matrix(attitude)[:, 2].tolist() == pytest.approx([0, 0, -1])
     _, attitude = view(world, "top", None)
     # North is up.
-    assert rotation(attitude)[:, 1].tolist() == pytest.approx([0, -1, 0])
+    assert rotation_matrix(attitude)[:, 1].tolist() == pytest.approx([0, -1, 0])
 
 
 def test_all_of_a_world_is_in_the_picture() -> None:
@@ -44,7 +44,7 @@ def test_all_of_a_world_is_in_the_picture() -> None:
     for camera in ("front", "top"):
         at, attitude = view(world, camera, None)
         for spot in [*world.places.values(), *(Point(*p, 0.0) for p in world.roads[0].points)]:
-            x, y, depth = rotation(attitude).T @ spot.minus(at)
+            x, y, depth = rotation_matrix(attitude).T @ spot.minus(at)
             across, down = LENS.fx * x / depth + LENS.cx, LENS.fy * y / depth + LENS.cy
             assert depth > 0 and -1 < across < LENS.width and -1 < down < LENS.height
 
@@ -74,6 +74,7 @@ def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
         (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
         (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),
         (("run", "first_flight", "--renderer", "tny"), "did you mean 'tiny'?"),
+        (("worlds", "yard", "--renderer", "gl"), "'gl' is none of egl, raster, tiny"),
     ],
 )
 def test_what_cannot_be_is_told(

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from hal.raster import Raster
-from hal.raster.renderer import NEAR
-from hal.sim.bullet_view import TinyView
+from hal.raster.camera import NEAR
+from hal.sim.bullet_renderers import TinyRenderer
 from tests.hal.scenes import clutter, lens, look
 
 LENS = lens(320, 240)
 
 
-class Reference(TinyView):
+class Reference(TinyRenderer):
     near = NEAR
 
 

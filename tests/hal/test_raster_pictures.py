@@ -13,9 +13,10 @@ import pytest
 from numpy.typing import NDArray
 
 from hal.raster import Raster
-from hal.raster.solids import ball, rotation
-from hal.rendering import Pose
-from hal.sim.bullet_view import EglView, TinyView
+from hal.scene.arrays import Float64s
+from hal.scene.surfaces import sphere_mesh
+from hal.scene.transforms import rotation_matrix
+from hal.sim.bullet_renderers import EglRenderer, TinyRenderer
 from hal.vehicle import Intrinsics
 from tests.hal.scenes import (
     GREEN,
@@ -30,7 +31,7 @@ from tests.hal.scenes import (
     world_of,
 )
 from vencejo.errors import UserError
-from vencejo.geometry import Point, product, yaw_quaternion
+from vencejo.geometry import Point, Pose, product, yaw_quaternion
 from worlds import figures
 from worlds.model import Ground, Light, World
 from worlds.things import (
@@ -46,8 +47,6 @@ from worlds.things import (
     Thing,
 )
 
-Floats = NDArray[np.float64]
-
 LENS = lens(320, 240)
 SKY = (230, 190, 150)
 
@@ -57,7 +56,7 @@ def picture(world: World, pose: Pose, camera: Intrinsics = LENS) -> NDArray[np.u
 
 
 def projected(points: NDArray[np.float64], pose: Pose, camera: Intrinsics) -> NDArray[np.float64]:
-    seen = (points - np.array(pose[0])) @ rotation(pose[1])
+    seen = (points - np.array(pose[0])) @ rotation_matrix(pose[1])
     x, y = seen[:, 0] / seen[:, 2], seen[:, 1] / seen[:, 2]
     return np.stack([camera.fx * x + camera.cx, camera.fy * y + camera.cy], 1)
 
@@ -69,7 +68,7 @@ def detector(name: int = cv2.aruco.DICT_4X4_50) -> cv2.aruco.ArucoDetector:
     return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(name), settings)
 
 
-def edge(image: NDArray[np.float32], start: Floats, end: Floats) -> tuple[Floats, Floats]:
+def edge(image: NDArray[np.float32], start: Float64s, end: Float64s) -> tuple[Float64s, Float64s]:
     """The line along a black edge near a segment: a normal, and two places on it, to subpixels.
 
     On lines across the edge, the middle of the rise from dark to bright (its weighted mean).
@@ -86,7 +85,7 @@ def edge(image: NDArray[np.float32], start: Floats, end: Floats) -> tuple[Floats
     return np.array(ends[0]), np.array(ends[1])
 
 
-def crossing(one: tuple[Floats, Floats], other: tuple[Floats, Floats]) -> Floats:
+def crossing(one: tuple[Float64s, Float64s], other: tuple[Float64s, Float64s]) -> Float64s:
     a, b = np.append(one[0], 1.0), np.append(one[1], 1.0)
     c, d = np.append(other[0], 1.0), np.append(other[1], 1.0)
     x, y, w = np.cross(np.cross(a, b), np.cross(c, d))
@@ -111,7 +110,7 @@ def corner_errors(seed: int, count: int, camera: Intrinsics) -> list[float]:
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         corners, ids, _ = detector().detectMarkers(grey)
         local = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * size / 2
-        want = projected(local @ rotation(attitude).T + at, eye, camera)
+        want = projected(local @ rotation_matrix(attitude).T + at, eye, camera)
         if ids is not None and ids.ravel().tolist() == [7]:
             detected += 1
             assert np.abs(corners[0].reshape(4, 2) - want).max() < 1.0
@@ -144,7 +143,7 @@ def test_edges_of_solids_lie_where_they_are_projected() -> None:
         dark = Ground((0, 0, 0), 10.0, tile=1.0)
         image = picture(world_of(box, ground=dark), eye, camera)
         top = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * 0.4
-        corners = projected(top @ rotation(attitude).T + at + (0, 0, 0.5), eye, camera)
+        corners = projected(top @ rotation_matrix(attitude).T + at + (0, 0, 0.5), eye, camera)
         white = cv2.compare(image[..., 1], 200, cv2.CMP_GT)
         # All four sides are seen from above as one white outline, which the top's corners span.
         outline = cv2.findContours(white, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
@@ -174,7 +173,7 @@ def test_a_textured_face_shows_its_marker_upright_on_every_side() -> None:
 
 
 def test_markers_are_detected_at_least_as_far_as_in_the_reference() -> None:
-    def seen(renderer: Raster | TinyView, height: float) -> int:
+    def seen(renderer: Raster | TinyRenderer, height: float) -> int:
         found = 0
         for k in range(8):
             eye = look((0.3 * k - 1.0, 0.2 * k, height), (0.1 * k, 0.0, 0.0), (0.3, 1.0, 0.1 * k))
@@ -184,7 +183,7 @@ def test_markers_are_detected_at_least_as_far_as_in_the_reference() -> None:
         return found
 
     world = world_of(marker(3, (0, 0, 0.01), 0.5), ground=Ground((128, 128, 128), 40.0))
-    raster, reference = Raster(world, {}), TinyView(world, {})
+    raster, reference = Raster(world, {}), TinyRenderer(world, {})
     heights = (2.0, 4.0, 6.0, 8.0, 9.0, 10.0, 11.0)
     try:
         theirs = [seen(reference, height) for height in heights]
@@ -195,7 +194,7 @@ def test_markers_are_detected_at_least_as_far_as_in_the_reference() -> None:
     assert ours[:4] == [8, 8, 8, 8]
 
 
-def changes(world: World) -> Floats:
+def changes(world: World) -> Float64s:
     """Mean change of each row between two pictures 1 cm apart, grey levels, looking far."""
     raster = Raster(world, {})
     first, second = (
@@ -223,7 +222,7 @@ def test_the_horizon_in_any_attitude() -> None:
         image = raster.render((Point(0.0, 0.0, 2.0), attitude), LENS, 0.0, {})
         y, x = np.mgrid[:240, :320]
         rays = np.stack([(x - LENS.cx) / LENS.fx, (y - LENS.cy) / LENS.fy, np.ones((240, 320))], -1)
-        up = rays @ rotation(attitude)[2]
+        up = rays @ rotation_matrix(attitude)[2]
         sky = (image == SKY).all(2)
         assert (sky == (up >= 0))[np.abs(up) > 1e-9].all()
 
@@ -269,7 +268,7 @@ def test_plates_are_seen_from_above_only() -> None:
 
 
 def _two_balls() -> Mesh:
-    one = ball(1.0, 16)
+    one = sphere_mesh(1.0, 16)
     vertices = np.concatenate([one.vertices, one.vertices + np.array([0.0, 2.5, 0.0])])
     return Mesh(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
 
@@ -279,7 +278,7 @@ def test_of_what_the_ground_cuts_the_upper_part_is_seen(shape: Shape) -> None:
     pose = look((-6.0, 0.0, 3.0), (6.0, 0.0, 0.0))
     for height in (1.0, 0.2, -0.5, -0.9, -1.2):
         world = world_of(thing_of("ball", shape, (6.0, 0.0, height)))
-        raster, reference = Raster(world, {}), TinyView(world, {})
+        raster, reference = Raster(world, {}), TinyRenderer(world, {})
         try:
             image = raster.render(pose, LENS, 0.0, {})
             _, bodies = reference.look(pose, LENS, 0.0, {})
@@ -343,7 +342,7 @@ def test_opengl_shows_what_lies_close_to_other_things() -> None:
     wall = thing_of("wall", Cuboid(Point(1.0, 8.0, 4.0)), (30.5, 0.0, 2.0))
     world = world_of(pane, mat, wall)
     try:
-        opengl = EglView(world, {})
+        opengl = EglRenderer(world, {})
     except UserError as error:
         pytest.skip(str(error))
     raster = Raster(world, {})
@@ -360,8 +359,8 @@ def test_opengl_shows_what_lies_close_to_other_things() -> None:
         opengl.close()
 
 
-@pytest.mark.parametrize("renderer", [Raster, TinyView])
-def test_roads_lead_over_hills(renderer: type[Raster | TinyView]) -> None:
+@pytest.mark.parametrize("renderer", [Raster, TinyRenderer])
+def test_roads_lead_over_hills(renderer: type[Raster | TinyRenderer]) -> None:
     """Seen from above, what is painted is where it would be without hills."""
     heights = tuple(
         tuple(2.0 if 0 < row < 4 and 0 < column < 4 else 0.0 for column in range(5))

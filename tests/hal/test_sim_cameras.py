@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 import pytest
 
-from hal.raster.solids import rotation
+from hal.scene.appearance import color_of
+from hal.scene.transforms import rotation_matrix
 from hal.sim import CameraSpec, SimSession, open_session
 from hal.sim.bullet import Bullet
-from hal.sim.looks import color_of
-from hal.sim.optics import Optics
+from hal.sim.sensors.lens import Lens
 from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
@@ -123,7 +123,7 @@ def test_the_pose_of_a_frame_fits_its_picture() -> None:
                 continue
             lens = frame.intrinsics
             matrix = np.array([[lens.fx, 0, lens.cx], [0, lens.fy, lens.cy], [0, 0, 1]])
-            turn = rotation(frame.attitude).T
+            turn = rotation_matrix(frame.attitude).T
             around = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * 0.3
             want, _ = cv2.projectPoints(
                 np.add(around, (2.5, 0.4, 0.01)),
@@ -216,7 +216,7 @@ def test_a_lens_takes_no_more_memory_than_some_pictures() -> None:
     lens = CameraSpec(width=800, height=600, distortion=(-0.1, 0.01, 0, 0, 0), noise=2.0)
     tracemalloc.start()
     try:
-        Optics(lens, 0, ("test",))
+        Lens(lens, 0, ("test",))
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

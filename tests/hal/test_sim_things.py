@@ -9,12 +9,12 @@ from random import Random
 
 import pytest
 
-from hal.raster.solids import relief_of
+from hal.scene.surfaces import terrain_surface
 from hal.sim import open_session
 from hal.sim.bullet import Bullet
-from hal.sim.bumps import Bumps
-from hal.sim.physics import GRAVITY, STEP, Body, Touches, Triple
-from hal.sim.skyline import Skyline
+from hal.sim.contact_debouncer import ContactDebouncer
+from hal.sim.obstacle_heights import ObstacleHeightGrid
+from hal.sim.physics import GRAVITY, STEP, Body, Contacts, Triple
 from hal.vehicle import Options, Position, Velocity
 from tests.hal.flying import finish, hovering, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of
@@ -61,9 +61,9 @@ def test_every_box_is_hit_and_known(physics: Bullet, count: int) -> None:
     boxes = [box(f"b{k}", Point(3.0 * (k % 20), 3.0 * (k // 20), 0)) for k in range(count)]
     physics.add_things(boxes)
     starts = [(each.at.x, each.at.y, 5.0) for each in boxes]
-    echoes = physics.rays(starts, [(x, y, -1.0) for x, y, _ in starts])
-    assert echoes.distances == pytest.approx([4.0] * count, abs=1e-6)
-    assert [echoes.name(ray) for ray in range(count)] == [each.name for each in boxes]
+    hits = physics.rays(starts, [(x, y, -1.0) for x, y, _ in starts])
+    assert hits.distances == pytest.approx([4.0] * count, abs=1e-6)
+    assert [hits.name(ray) for ray in range(count)] == [each.name for each in boxes]
     last = boxes[-1].at
     falling = drone(physics, (last.x, last.y, 1.4))
     run(physics, 1)
@@ -75,24 +75,24 @@ def test_a_touch_has_the_name_of_the_thing(physics: Bullet) -> None:
     physics.add_things(boxes)
     body = drone(physics, (3.0 * 16 - 0.749, 0, 1))
     physics.step()
-    assert body.touches() == Touches(None, ("b16",) * 4)
+    assert body.contacts() == Contacts(None, ("b16",) * 4)
     assert not body.supported()
 
 
 def test_the_ground_has_no_name(physics: Bullet) -> None:
     body = drone(physics, (0, 0, 0.06))
     physics.step()
-    assert body.touches() == Touches((0, 0, 0), ())
-    echoes = physics.rays([(5, 5, 2), (5, 5, 2)], [(5, 5, -1), (9, 9, 2)])
-    assert list(echoes.distances) == [pytest.approx(2), inf]
-    assert (echoes.name(0), echoes.name(1)) == ("", None)
+    assert body.contacts() == Contacts((0, 0, 0), ())
+    hits = physics.rays([(5, 5, 2), (5, 5, 2)], [(5, 5, -1), (9, 9, 2)])
+    assert list(hits.distances) == [pytest.approx(2), inf]
+    assert (hits.name(0), hits.name(1)) == ("", None)
 
 
 def test_vehicles_feel_each_other_by_name(physics: Bullet) -> None:
     one, other = drone(physics, (0, 0, 5), "cat"), drone(physics, (0.499, 0, 5), "mouse")
     physics.step()
-    assert set(one.touches().beside) == {"mouse"}
-    assert set(other.touches().beside) == {"cat"}
+    assert set(one.contacts().beside) == {"mouse"}
+    assert set(other.contacts().beside) == {"cat"}
 
 
 SHAPES = (Cuboid(Point(2, 1, 3)), Cylinder(0.6, 3.0), Sphere(1.2))
@@ -118,10 +118,10 @@ def test_shapes_are_solid_in_any_pose(physics: Bullet, shape: Shape) -> None:
             for i in range(41)
             for j in range(41)
         ]
-        echoes = physics.rays([(x, y, 12) for x, y in grid], [(x, y, 0.1) for x, y in grid])
-        nearest = min(range(len(grid)), key=lambda ray: echoes.distances[ray])
-        assert 12 - echoes.distances[nearest] == pytest.approx(high.z, abs=0.1)
-        assert echoes.name(nearest) == f"t{k}"
+        hits = physics.rays([(x, y, 12) for x, y in grid], [(x, y, 0.1) for x, y in grid])
+        nearest = min(range(len(grid)), key=lambda ray: hits.distances[ray])
+        assert 12 - hits.distances[nearest] == pytest.approx(high.z, abs=0.1)
+        assert hits.name(nearest) == f"t{k}"
 
 
 def test_markers_and_beacons_are_no_obstacles(physics: Bullet) -> None:
@@ -143,9 +143,9 @@ def test_a_mesh_is_solid_as_it_is(physics: Bullet, tmp_path: Path) -> None:
     ).things
     physics.add_things([mesh])
     spots = [(3, 0), (3, 0.5), (4.9, 0), (3, 1.1)]
-    echoes = physics.rays([(x, y, 5) for x, y in spots], [(x, y, -1) for x, y in spots])
-    assert [5 - d for d in echoes.distances] == pytest.approx([2, 1.5, 2, 0], abs=1e-3)
-    assert [echoes.name(k) for k in range(4)] == ["roof", "roof", "roof", ""]
+    hits = physics.rays([(x, y, 5) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [5 - d for d in hits.distances] == pytest.approx([2, 1.5, 2, 0], abs=1e-3)
+    assert [hits.name(k) for k in range(4)] == ["roof", "roof", "roof", ""]
 
 
 def test_a_model_is_solid_as_it_looks(physics: Bullet, tmp_path: Path) -> None:
@@ -162,18 +162,18 @@ def test_a_model_is_solid_as_it_looks(physics: Bullet, tmp_path: Path) -> None:
     ).things
     physics.add_things([lamp])
     spots = [(5.3, 0), (5, 1.4), (6.4, 0)]
-    echoes = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
-    assert [9 - d for d in echoes.distances] == pytest.approx([2, 3.1, 0], abs=1e-6)
-    assert [echoes.name(ray) for ray in range(3)] == ["lamp", "lamp", ""]
+    hits = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [9 - d for d in hits.distances] == pytest.approx([2, 3.1, 0], abs=1e-6)
+    assert [hits.name(ray) for ray in range(3)] == ["lamp", "lamp", ""]
 
 
 def test_hills_are_ground(physics: Bullet) -> None:
     heights = ((0.0,) * 4, (0.0, 1.0, 3.0, 0.0), (0.0, 0.0, 2.0, 0.0), (0.0,) * 4)
     physics.add_things([], Terrain(heights, 30.0))
     spots = [(-5, -5), (5, -5), (5, 5), (-5, 5), (0, -5), (14, 14), (20, 0)]
-    echoes = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
-    assert [9 - d for d in echoes.distances] == pytest.approx([1, 3, 2, 0, 2, 0, 0], abs=1e-3)
-    assert {echoes.name(ray) for ray in range(len(spots))} == {""}
+    hits = physics.rays([(x, y, 9) for x, y in spots], [(x, y, -1) for x, y in spots])
+    assert [9 - d for d in hits.distances] == pytest.approx([1, 3, 2, 0, 2, 0, 0], abs=1e-3)
+    assert {hits.name(ray) for ray in range(len(spots))} == {""}
     body = drone(physics, (5, -5, 3.3))
     run(physics, 0.3)
     assert body.supported()
@@ -187,11 +187,11 @@ def test_hills_are_as_high_in_physics_pictures_and_for_what_stands_on_them(
     rows = [[draw.uniform(0, 4) if {i, j} <= {*inner} else 0.0 for j in range(6)] for i in range(6)]
     terrain = Terrain(tuple(map(tuple, rows)), 20.0)
     physics.add_things([], terrain)
-    relief = relief_of(terrain, GRAY)
-    middles = [relief.vertices[list(face.corners)].mean(0) for face in relief.faces]
+    surface = terrain_surface(terrain, GRAY)
+    middles = [surface.vertices[list(face.corners)].mean(0) for face in surface.faces]
     for x, y, z in middles:
-        (echo,) = physics.rays([(x, y, 9)], [(x, y, -1)]).distances
-        assert (height_at(terrain, x, y), 9 - echo) == pytest.approx((z, z), abs=1e-5)
+        (hit,) = physics.rays([(x, y, 9)], [(x, y, -1)]).distances
+        assert (height_at(terrain, x, y), 9 - hit) == pytest.approx((z, z), abs=1e-5)
 
 
 # What moves.
@@ -255,7 +255,7 @@ def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:
     # It slides a little before it has the pad's speed.
     assert (x, y, z) == pytest.approx((there.x, 0, 1.26), abs=0.03)
     assert velocity == pytest.approx((0.5, 0, 0), abs=1e-3)
-    assert body.touches() == Touches(pytest.approx((0.5, 0, 0), abs=1e-6), ())
+    assert body.contacts() == Contacts(pytest.approx((0.5, 0, 0), abs=1e-6), ())
     assert yaw_of(attitude) == pytest.approx(0, abs=0.01)
 
 
@@ -282,17 +282,17 @@ def test_a_mover_is_met_by_rays_and_bodies(physics: Bullet) -> None:
     for _ in range(round(4 / STEP)):
         body.push(0.436 * GRAVITY, 0, 0, 0)
         physics.step()
-        felt |= set(body.touches().beside)
+        felt |= set(body.contacts().beside)
     assert felt == {"pad"}
     assert body.state()[0][0] > 5.0, "it was pushed"
-    echoes = physics.rays([(4, 0, 5)], [(4, 0, 0)])
-    assert (echoes.distances[0], echoes.name(0)) == (pytest.approx(3.8, abs=1e-6), "pad")
+    hits = physics.rays([(4, 0, 5)], [(4, 0, 0)])
+    assert (hits.distances[0], hits.name(0)) == (pytest.approx(3.8, abs=1e-6), "pad")
 
 
-# Skyline and bumps.
+# Obstacle heights and contact debouncing.
 
 
-def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
+def test_obstacle_heights_miss_nothing_that_can_be_touched() -> None:
     random = Random(5)
     text = "boxes:\n" + "".join(
         f"  b{k}: {{at: [{random.uniform(-30, 30):.1f}, {random.uniform(-30, 30):.1f}],"
@@ -301,11 +301,11 @@ def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
         for k in range(60)
     )
     solid = things(text)
-    skyline = Skyline(solid, None)
+    obstacles = ObstacleHeightGrid(solid, None)
     free = 0
     for _ in range(800):
         place = Point(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(0, 7))
-        if not skyline.thing_near(*place):
+        if not obstacles.thing_near(*place):
             free += 1
             for thing in solid:
                 low, high = bounds_of(thing.parts[0].shape, thing.at, thing.attitude)
@@ -314,35 +314,35 @@ def test_a_skyline_misses_nothing_that_can_be_touched() -> None:
     assert free > 200
 
 
-def test_a_skyline_follows_what_moves() -> None:
-    skyline = Skyline([pad(1.0)], None)
-    assert skyline.thing_near(6, 3, 2.4) and skyline.thing_near(0, 0, 1.5)
-    assert not skyline.thing_near(6, 3, 3.0) and not skyline.thing_near(30, 3, 1.0)
+def test_obstacle_heights_follow_what_moves() -> None:
+    obstacles = ObstacleHeightGrid([pad(1.0)], None)
+    assert obstacles.thing_near(6, 3, 2.4) and obstacles.thing_near(0, 0, 1.5)
+    assert not obstacles.thing_near(6, 3, 3.0) and not obstacles.thing_near(30, 3, 1.0)
 
 
 def test_what_is_very_long_counts_everywhere() -> None:
     wall = things("walls: {w: {through: [[0, 0], [900, 0]], height: 3}}")
     hut = things("boxes: {b: {at: [5, 5], size: [1, 1, 1]}}")
     for order in ((*wall, *hut), (*hut, *wall)):
-        skyline = Skyline(order, None)
-        assert skyline.thing_near(5, 5, 3.5) and skyline.thing_near(-700, 3, 3.5)
-        assert not skyline.thing_near(5, 5, 3.7)
+        obstacles = ObstacleHeightGrid(order, None)
+        assert obstacles.thing_near(5, 5, 3.5) and obstacles.thing_near(-700, 3, 3.5)
+        assert not obstacles.thing_near(5, 5, 3.7)
 
 
 def test_the_ground_ends_above_the_highest_hill() -> None:
-    assert Skyline([], None).ground == pytest.approx(0.6)
-    assert Skyline([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).ground > 4.0
+    assert ObstacleHeightGrid([], None).ground == pytest.approx(0.6)
+    assert ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).ground > 4.0
 
 
 def test_a_touch_is_new_once_until_it_is_over() -> None:
-    bumps = Bumps()
+    debouncer = ContactDebouncer()
     seen = []
     for period in range(100):
         if period in (3, 4, 10, 60) or 20 < period < 30:
-            bumps.feel(("wall",))
-            bumps.feel(("wall", "tree") if period == 60 else ())
-        bumps.end_period()
-        seen += [(period, name) for name in bumps.new]
+            debouncer.add(("wall",))
+            debouncer.add(("wall", "tree") if period == 60 else ())
+        debouncer.end_period()
+        seen += [(period, name) for name in debouncer.new]
     assert seen == [(3, "wall"), (60, "wall"), (60, "tree")]
 
 

@@ -12,8 +12,8 @@ import pytest
 from vencejo.errors import UserError
 from vencejo.geometry import Point, turned
 from worlds import World, load_world
-from worlds.meshes import load_mesh
-from worlds.models import load_model
+from worlds.mesh_files import load_mesh
+from worlds.model_files import load_model
 from worlds.things import Cuboid, Cylinder, Image, Mesh, Sphere
 
 PICTURE = np.zeros((4, 4, 3), np.uint8)

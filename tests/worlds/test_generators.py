@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from hashlib import sha256
 from math import dist
 from pathlib import Path
 
@@ -22,6 +23,28 @@ def test_equal_numbers_give_equal_worlds(family: str) -> None:
     texts = [generate(family, number) for number in NUMBERS]
     assert texts == [generate(family, number) for number in NUMBERS]
     assert len(set(texts)) == len(texts)
+
+
+DIGESTS = {
+    "roads:0": "25263166a0ecdaef92666d5cf618776514255dc2a26d3329b55143ba210be268",
+    "roads:3": "509b3ffa4ff5bd159722f9a7cd32e77f1553b3fe352278cd48ad3281b5a00d5d",
+    "roads:17": "e77db733d9603220d968f871a48922abdc9ce9be440a87baee8286591a828611",
+    "search:0": "da4404c6a291a87f53fbaf97df311dc57691524cebf3342e2c146b8781e13df0",
+    "search:3": "dacb9bb7dad55b09b255505d2b6e3046aa0a5ec138d018cb2971e04efc5c4505",
+    "search:17": "0802f52e13051a0255e1d96b04097ff2496413ce6da6e240bd8d3a0e6395bb73",
+    "forest:0": "dd20b70caf9180ac42751e5fa65c743eac8572d3095c60c96157759e9210c536",
+    "forest:3": "470c7377ea00354a43665c9021e3a10698451e7f0d76fca9433e152747eb2411",
+    "forest:17": "9bf033f7bb33667ccc03fdc5018d5c1bfab8ed6864af03c6f950b331af02977b",
+}
+"""SHA-256 of the text of some worlds: people refer to a generated world by its number alone."""
+
+
+@pytest.mark.parametrize("word", DIGESTS)
+def test_a_number_means_the_same_world_for_ever(word: str) -> None:
+    family, _, number = word.partition(":")
+    assert sha256(generate(family, int(number)).encode()).hexdigest() == DIGESTS[word]
+    assert find_world(word).sha256 == DIGESTS[word]
+    assert {each.partition(":")[0] for each in DIGESTS} == set(FAMILIES)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -12,7 +12,7 @@ from tests.worlds.faults import SHAPE_FAULTS
 from vencejo.nodes import Mapping, Scalar, YamlNode, read_file, read_text
 from vencejo.units import parse_number
 from worlds import find_world, world_names
-from worlds.schema import HELP, world_schema
+from worlds.world_schema import HELP, world_schema
 
 SCHEMA = Draft202012Validator(world_schema())
 

@@ -1,4 +1,4 @@
-"""The shapes of a world's things, made in Bullet."""
+"""Collision shapes in Bullet of the things of a world. World frame, metres."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Shape, Sphere, Terrai
 _PER_BODY = 16
 """createCollisionShapeArray silently drops every shape after the sixteenth."""
 _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-"""Corners of a cuboid, in the order that `product` gives, face by face."""
+"""Corners of each face of a cuboid, numbered in the order that ``product`` gives them."""
 _TRIANGLES = tuple(corner for a, b, c, d in _FACES for corner in (a, b, c, a, c, d))
 
 
 class Piece(NamedTuple):
-    """A shape in the frame of the body it belongs to."""
+    """A shape in the frame of the body that it belongs to."""
 
     name: str
-    """Of its thing."""
+    """Of the thing."""
     shape: Shape
     at: Point
     attitude: Quaternion
 
 
 def pieces_of(thing: Thing) -> list[Piece]:
-    """The solid pieces of a thing, world frame; of one that moves, in its own frame."""
+    """The solid pieces of a thing: in the world frame, or in its own where it moves."""
     if thing.motion is None:
         return [
             Piece(thing.name, part.shape, *part_pose(part, thing.at, thing.attitude))
@@ -39,7 +39,7 @@ def pieces_of(thing: Thing) -> list[Piece]:
 
 
 def chunks(pieces: Sequence[Piece]) -> Iterator[Sequence[Piece]]:
-    """Pieces that make a body together: few enough for Bullet, and near each other."""
+    """Divide pieces into groups that lie together and are small enough for one body each."""
     if len(pieces) <= _PER_BODY:
         if pieces:
             yield pieces
@@ -47,18 +47,18 @@ def chunks(pieces: Sequence[Piece]) -> Iterator[Sequence[Piece]]:
     spans = [max(p.at[k] for p in pieces) - min(p.at[k] for p in pieces) for k in (0, 1)]
     axis = spans.index(max(spans))
     ordered = sorted(pieces, key=lambda piece: piece.at[axis])
-    # A whole number of full bodies on the left.
+    # The first part fills a whole number of bodies.
     half = max(1, len(pieces) // (2 * _PER_BODY)) * _PER_BODY
     yield from chunks(ordered[:half])
     yield from chunks(ordered[half:])
 
 
 def compound(p: Any, client: int, pieces: Sequence[Piece]) -> int:
-    """One shape of at most sixteen pieces, none a mesh."""
+    """Make one collision shape of at most sixteen pieces, none a mesh; its number in Bullet."""
     kinds, halves, radii, lengths = [], [], [], []
     for piece in pieces:
         shape = piece.shape
-        # Every list has an entry for every shape; what a shape has no use for is 1.
+        # Bullet wants an entry for every shape in each list; 1 where a shape has no use for it.
         half, radius, length = [1.0] * 3, 1.0, 1.0
         if isinstance(shape, Cuboid):
             kind, half = p.GEOM_BOX, [side / 2 for side in shape.size]
@@ -83,10 +83,10 @@ def compound(p: Any, client: int, pieces: Sequence[Piece]) -> int:
     return number
 
 
-def skin(p: Any, client: int, pieces: Sequence[Piece]) -> int:
-    """The faces of many cuboids as one mesh, for rays: they meet triangles twice as fast as boxes.
+def ray_mesh(p: Any, client: int, pieces: Sequence[Piece]) -> int:
+    """Make the faces of many cuboids one mesh, for rays alone; its number in Bullet.
 
-    The faces of cuboids are flat, so nothing is lost.
+    Rays are tested against triangles twice as fast as against boxes, and hit the same places.
     """
     vertices: list[Point] = []
     indices: list[int] = []
@@ -113,7 +113,7 @@ def _triangles(p: Any, client: int, vertices: Any, indices: list[int], **frame: 
 
 
 def mesh(p: Any, client: int, piece: Piece) -> int:
-    """The triangles of a mesh as they are, for a body that stands still."""
+    """Make a mesh, which need not be convex, for a body that stands still; its number in Bullet."""
     shape = piece.shape
     assert isinstance(shape, Mesh)
     frame = {"collisionFramePosition": piece.at, "collisionFrameOrientation": piece.attitude}
@@ -122,7 +122,7 @@ def mesh(p: Any, client: int, piece: Piece) -> int:
 
 
 def _boxed(piece: Piece) -> Piece:
-    """A mesh as the cuboid about it, for a body that moves."""
+    """The piece itself, or the cuboid about a mesh: in Bullet such a mesh cannot move."""
     if not isinstance(piece.shape, Mesh):
         return piece
     low, high = bounds_of(piece.shape, Point(0.0, 0.0, 0.0), UPRIGHT)
@@ -131,8 +131,11 @@ def _boxed(piece: Piece) -> Piece:
     return Piece(piece.name, Cuboid(high.minus(low)), at, piece.attitude)
 
 
-def hills(p: Any, client: int, terrain: Terrain) -> tuple[int, Point]:
-    """A height field and where its middle belongs: Bullet centres it between its extremes."""
+def height_field(p: Any, client: int, terrain: Terrain) -> tuple[int, Point]:
+    """Make a height field: its number in Bullet, and the place of its origin.
+
+    Bullet puts the origin half-way between its lowest and its highest point.
+    """
     rows, count = terrain.heights, len(terrain.heights)
     side = terrain.size / (count - 1)
     number: int = p.createCollisionShape(

@@ -1,11 +1,10 @@
-"""What the simulated quadrotor looks like to cameras."""
+"""The appearance of the simulated quadrotor in pictures."""
 
 from __future__ import annotations
 
 from hashlib import sha256
 from math import sqrt
 
-from hal.sim.airframe import Airframe
 from vencejo.geometry import Point
 from worlds.things import UPRIGHT, Color, Cuboid, Cylinder, Part, Thing
 
@@ -17,26 +16,30 @@ COLORS: tuple[Color, ...] = (
     (210, 40, 200),
     (245, 130, 20),
 )
-_DARK: Color = (40, 40, 45)
+_NOSE_COLOR: Color = (40, 40, 45)
 
 
 def color_of(name: str) -> Color:
-    """The colour of a vehicle, always the same for a name."""
+    """The colour of a vehicle: always the same for a name."""
     return COLORS[sha256(name.encode()).digest()[0] % len(COLORS)]
 
 
-def quadrotor(name: str, airframe: Airframe) -> Thing:
-    """A hull in the vehicle's colour, a dark nose, and four rotor guards about its middle."""
+def quadrotor(name: str, *, arm: float, size: tuple[float, float, float]) -> Thing:
+    """A hull in the vehicle's colour, a dark nose and four rotor guards, about its centre.
+
+    ``arm`` is the distance from the centre to a rotor, ``size`` that of the box about the whole
+    vehicle along its body axes; metres.
+    """
     origin, color = Point(0.0, 0.0, 0.0), color_of(name)
-    out = airframe.arm / sqrt(2)
-    length, _, height = airframe.size
+    out = arm / sqrt(2)
+    length, _, height = size
     parts = [
         Part(Cuboid(Point(length * 0.5, length * 0.2, height * 0.6)), origin, UPRIGHT, color),
         Part(
             Cuboid(Point(length * 0.1, length * 0.12, height * 0.4)),
             Point(length * 0.3, 0.0, 0.0),
             UPRIGHT,
-            _DARK,
+            _NOSE_COLOR,
         ),
     ]
     for x, y in ((out, out), (-out, out), (-out, -out), (out, -out)):

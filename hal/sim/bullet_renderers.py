@@ -7,81 +7,76 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib.util import find_spec
-from math import ceil, hypot, log2
+from math import hypot
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from hal.raster.drape import drape
-from hal.raster.solids import Solid, ball, relief_of, rotation, solid_of
-from hal.raster.textures import Painted, picture_of
-from hal.raster.tiles import FINEST, SIDE, Tiles
-from hal.rendering import Pose
+from hal.scene.arrays import Float64s, Int32s, Pixels
+from hal.scene.ground_texture import ground_mosaic, ground_texture
+from hal.scene.ground_tiles import GroundTiles
+from hal.scene.scene import Scene
+from hal.scene.surfaces import Surface, sphere_mesh, surface_of, terrain_surface
+from hal.scene.textures import Bitmap, mipmap_of
+from hal.scene.transforms import rotation_matrix
 from hal.sim.bullet import load_pybullet, shut
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
-from vencejo.geometry import Quaternion
+from vencejo.geometry import Point, Pose
 from worlds.model import World
-from worlds.motion import pose_at
-from worlds.things import Color, Part, Sphere, Terrain, Texture, Thing
-
-Pixels = NDArray[np.uint8]
+from worlds.things import UPRIGHT, Color, Part, Sphere, Terrain, Texture, Thing
 
 FAR = 1000.0
 """Depth up to which things are seen, metres."""
-_GROUND_TEXELS = 2048
-"""Along the picture that the whole coloured ground is painted on."""
-_NEAR_AT_MOST = 5.0
-"""Metres: beyond this nothing is gained."""
-_BENEATH = -0.02
+_SPHERE_RINGS = 24
+_LARGEST_NEAR = 5.0
+"""Metres: a near plane beyond this gains nothing."""
+_PLAIN_HEIGHT = -0.02
 """Height of the plain ground outside the coloured square, metres."""
+_OUT_OF_SIGHT: Pose = (Point(0.0, 0.0, -1000.0), UPRIGHT)
+"""The place of vehicles that are not to be seen."""
 
 
-class BulletView:
-    """A world in a pybullet of its own, to be looked at (see :class:`hal.rendering.Renderer`)."""
+class BulletRenderer:
+    """A world in a pybullet of its own, to be looked at (see :class:`hal.renderers.Renderer`)."""
 
-    shift = 0.0
-    """How far right and down of a pixel's centre this renderer looks, pixels."""
+    pixel_offset = 0.0
+    """Offset of this renderer's samples from the centres of pixels, right and down, pixels."""
     near = 0.05
-    """Depth from which on things are seen at least, metres."""
+    """Least depth of the near plane, metres."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
-        """Raises UserError for a texture that is none."""
+        """Raises UserError for a texture that cannot be read."""
         p = load_pybullet()
         self._p = p
         self._world = world
+        self._scene = Scene(world, vehicles)
         self._shadows = shadows
         self._client: int = self._connect()
         self._files = TemporaryDirectory(prefix="vencejo-")
         self._count = 0
-        self._textures: dict[Texture | Painted, int] = {}
+        self._textures: dict[Texture | Bitmap, int] = {}
         self.names: dict[int, str] = {}
-        """Things by the bodies that show them."""
+        """Keys of things in the scene, by the bodies that show them."""
         self._bodies: dict[str, list[tuple[int, Part]]] = {}
-        self._balls: dict[str, tuple[NDArray[np.float64], float]] = {}
-        """Middles and radii of balls about things, in their own frames."""
+        self._spheres: dict[str, tuple[Float64s, float]] = {}
+        """Bounding spheres of things (centre, radius), in their own frames."""
         self._poses: dict[str, Pose] = {}
-        self._moving = [thing for thing in world.things if thing.motion]
         try:
-            tiles = Tiles(world.ground)
+            tiles = GroundTiles(world.ground)
             self._add_ground(tiles)
             if world.ground.terrain:
-                self._add_hills(tiles, world.ground.terrain)
-            # A space keeps the names of vehicles apart from those of things.
-            looks = {f" {name}": thing for name, thing in vehicles.items()}
-            for name, thing in ({each.name: each for each in world.things} | looks).items():
-                self._bodies[name] = [(self._show(part), part) for part in thing.parts]
-                self._balls[name] = _ball_about(thing)
-                self.names |= {body: name for body, _ in self._bodies[name]}
-                self._place(name, (thing.at, thing.attitude))
+                self._add_terrain(tiles, world.ground.terrain)
+            for key, thing in self._scene.things.items():
+                self._bodies[key] = [(self._show(part), part) for part in thing.parts]
+                self._spheres[key] = _bounding_sphere(thing)
+                self.names |= {body: key for body, _ in self._bodies[key]}
+                self._place(key, (thing.at, thing.attitude))
         except BaseException:
             self.close()
             raise
-        self._vehicles = tuple(vehicles)
 
     def _connect(self) -> int:
         return int(self._p.connect(self._p.DIRECT))
@@ -89,19 +84,19 @@ class BulletView:
     def render(
         self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
     ) -> Pixels:
-        """See :class:`hal.rendering.Renderer`."""
+        """See :class:`hal.renderers.Renderer`."""
         return self.look(pose, intrinsics, time, vehicles)[0]
 
     def look(
         self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
-    ) -> tuple[Pixels, NDArray[np.int32]]:
-        """A picture, and which body each pixel shows (−1: the sky)."""
+    ) -> tuple[Pixels, Int32s]:
+        """An image, and the body that each pixel shows (−1: the sky)."""
         p, light = self._p, self._world.light
-        for thing in self._moving:
-            self._place(thing.name, pose_at(thing, moment))
-        for name in self._vehicles:
-            self._place(f" {name}", vehicles.get(name, _AWAY))
-        view, projection = matrices(pose, intrinsics, self.shift, self._nearest(pose, intrinsics))
+        poses = self._scene.poses(moment, vehicles)
+        for key in self._scene.moving:
+            self._place(key, poses.get(key, _OUT_OF_SIGHT))
+        near = self._near_plane(pose, intrinsics)
+        view, projection = opengl_matrices(pose, intrinsics, self.pixel_offset, near)
         _, _, colors, _, bodies = p.getCameraImage(
             intrinsics.width,
             intrinsics.height,
@@ -123,8 +118,8 @@ class BulletView:
         image[seen < 0] = light.sky[::-1]
         return image, seen
 
-    def _nearest(self, pose: Pose, lens: Intrinsics) -> float:
-        """The depth from which on things are seen."""
+    def _near_plane(self, pose: Pose, lens: Intrinsics) -> float:
+        """The depth of the near plane for an image, metres."""
         return self.near
 
     def _renderer(self) -> int:
@@ -136,12 +131,12 @@ class BulletView:
             self._files.cleanup()
             self._client = -1
 
-    # Putting things up.
+    # Bodies.
 
-    def _place(self, name: str, pose: Pose) -> None:
+    def _place(self, key: str, pose: Pose) -> None:
         p = self._p
-        self._poses[name] = pose
-        for body, part in self._bodies[name]:
+        self._poses[key] = pose
+        for body, part in self._bodies[key]:
             at, attitude = p.multiplyTransforms(*pose, part.at, part.attitude)
             p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
 
@@ -149,19 +144,19 @@ class BulletView:
         return int(self._p.createMultiBody(0, -1, visual, [0, 0, 0], physicsClientId=self._client))
 
     def _show(self, part: Part) -> int:
-        # All as meshes: pybullet's own balls are coarse, and OpenGL's boxes lose their corners.
+        """A body that shows a part, in the part's own frame."""
+        # All as meshes: pybullet's own spheres are coarse, and OpenGL's boxes lose their corners.
         shape = part.shape
         if isinstance(shape, Sphere):
-            shape = ball(shape.radius, 24)
-        upright = Part(
-            shape, type(part.at)(0, 0, 0), (0.0, 0.0, 0.0, 1.0), part.color, part.texture
-        )
-        body = self._mesh(solid_of(upright), part.color)
+            shape = sphere_mesh(shape.radius, _SPHERE_RINGS)
+        upright = Part(shape, Point(0.0, 0.0, 0.0), UPRIGHT, part.color, part.texture)
+        body = self._mesh(surface_of(upright), part.color)
         if part.texture is not None:
-            self._wrap(body, part.texture)
+            self._cover(body, part.texture)
         return body
 
-    def _wrap(self, body: int, texture: Texture | Painted) -> None:
+    def _cover(self, body: int, texture: Texture | Bitmap) -> None:
+        """Give a body a texture in the place of its colour."""
         self._p.changeVisualShape(
             body,
             -1,
@@ -170,18 +165,20 @@ class BulletView:
             physicsClientId=self._client,
         )
 
-    def _mesh(self, solid: Solid, color: Color) -> int:
+    def _mesh(self, surface: Surface, color: Color) -> int:
+        """A body that shows a surface."""
         p = self._p
         vertices: list[list[float]] = []
         uvs: list[list[float]] = []
         indices: list[int] = []
-        for face in solid.faces:
+        for face in surface.faces:
             base = len(vertices)
-            corners = solid.vertices[list(face.corners)]
+            corners = surface.vertices[list(face.corners)]
             vertices.extend(corners.tolist())
-            across = np.zeros((3, 2)) if face.frame is None else np.linalg.pinv(face.frame[1:])
-            corner = corners[0] if face.frame is None else face.frame[0]
-            uvs.extend(((corners - corner) @ across).tolist())
+            frame = face.texture_frame
+            to_texture = np.zeros((3, 2)) if frame is None else np.linalg.pinv(frame[1:])
+            corner = corners[0] if frame is None else frame[0]
+            uvs.extend(((corners - corner) @ to_texture).tolist())
             for k in range(1, len(corners) - 1):
                 indices.extend((base, base + k, base + k + 1))
         return self._body(
@@ -197,8 +194,11 @@ class BulletView:
     def _mesh_file(
         self, vertices: list[list[float]], uvs: list[list[float]], indices: list[int]
     ) -> str:
-        """Triangles as a file: given directly, the OpenGL renderer does not take them."""
-        # OBJ counts from 1, and v upwards.
+        """Write triangles to an OBJ file: given directly, the OpenGL renderer does not take them.
+
+        ``indices`` are of vertices, three to a triangle; v of the ``uvs`` goes down.
+        """
+        # OBJ counts vertices from 1, and its v goes up.
         lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
         lines += [f"vt {u:.9g} {1 - v:.9g}" for u, v in uvs]
         corners = [f"{index + 1}/{index + 1}" for index in indices]
@@ -211,9 +211,9 @@ class BulletView:
         self._count += 1
         return Path(self._files.name) / f"{self._count}.{kind}"
 
-    def _texture(self, texture: Texture | Painted) -> int:
+    def _texture(self, texture: Texture | Bitmap) -> int:
         if texture not in self._textures:
-            self._textures[texture] = self._load(picture_of(texture).level(0.0))
+            self._textures[texture] = self._load(mipmap_of(texture).level(0.0))
         return self._textures[texture]
 
     def _load(self, pixels: Pixels) -> int:
@@ -221,29 +221,25 @@ class BulletView:
         cv2.imwrite(str(path), pixels[..., :3])
         return int(self._p.loadTexture(str(path), physicsClientId=self._client))
 
-    def _add_hills(self, tiles: Tiles, terrain: Terrain) -> None:
-        painted, color = drape(tiles, terrain.size), self._world.ground.color
-        relief = relief_of(terrain, color, painted)
-        # What is flat would flicker with the ground in the same place.
-        risen = [face for face in relief.faces if relief.vertices[list(face.corners), 2].any()]
+    def _add_terrain(self, tiles: GroundTiles, terrain: Terrain) -> None:
+        texture, color = ground_texture(tiles, terrain.size), self._world.ground.color
+        whole = terrain_surface(terrain, color, texture)
+        # What is level at z = 0 would flicker with the ground in the same place.
+        risen = [face for face in whole.faces if whole.vertices[list(face.corners), 2].any()]
         if risen:
-            self._wrap(self._mesh(Solid(relief.vertices, tuple(risen), False), color), painted)
+            body = self._mesh(Surface(whole.vertices, tuple(risen), convex=False), color)
+            self._cover(body, texture)
 
-    def _add_ground(self, tiles: Tiles) -> None:
-        p, ground = self._p, self._world.ground
-        level = max(0, ceil(log2(ground.size / _GROUND_TEXELS / FINEST)))
-        reach = ceil(ground.size / 2 / (FINEST * 2**level * SIDE))
-        rows = [
-            np.hstack([tiles.tile(level, column, row) for column in range(-reach, reach)])
-            for row in range(-reach, reach)
-        ]
-        half = reach * SIDE * FINEST * 2**level
-        for side, height, pixels in (
-            (half, 0.0, np.vstack(rows)[::-1]),
-            (FAR, _BENEATH, np.full((64, 64, 4), tiles.beyond, np.uint8)),
+    def _add_ground(self, tiles: GroundTiles) -> None:
+        p = self._p
+        mosaic = ground_mosaic(tiles, self._world.ground.size)
+        plain = np.full((64, 64, 4), tiles.color_beyond, np.uint8)
+        for half, height, pixels in (
+            (mosaic.half, 0.0, mosaic.pixels),
+            (FAR, _PLAIN_HEIGHT, plain),
         ):
-            corners = [[x, y, height] for x, y in (_AROUND * side).tolist()]
-            file = self._mesh_file(corners, _CORNERS, [0, 1, 2, 0, 2, 3])
+            corners = [[x, y, height] for x, y in (_SQUARE * half).tolist()]
+            file = self._mesh_file(corners, _SQUARE_UVS, [0, 1, 2, 0, 2, 3])
             visual = p.createVisualShape(p.GEOM_MESH, fileName=file, physicsClientId=self._client)
             p.changeVisualShape(
                 self._body(visual),
@@ -254,18 +250,18 @@ class BulletView:
             )
 
 
-class TinyView(BulletView):
-    """TinyRenderer: in software, slow, without smoothing."""
+class TinyRenderer(BulletRenderer):
+    """pybullet's TinyRenderer: in software, slow, without smoothing."""
 
-    shift = 0.5
+    pixel_offset = 0.5
 
 
-class EglView(BulletView):
-    """OpenGL without a window, by pybullet's plugin."""
+class EglRenderer(BulletRenderer):
+    """OpenGL without a window, by pybullet's EGL plugin."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError (``no-egl``) where the plugin is missing or finds no OpenGL."""
-        # It tells a lot about the machine's OpenGL.
+        # The plugin prints a lot about the machine's OpenGL.
         with shut(1, 2):
             super().__init__(world, vehicles, shadows)
 
@@ -285,27 +281,28 @@ class EglView(BulletView):
         self._plugin = plugin
         return client
 
-    def _nearest(self, pose: Pose, lens: Intrinsics) -> float:
+    def _near_plane(self, pose: Pose, lens: Intrinsics) -> float:
         # As far out as nothing is cut off: the finer are the depths that OpenGL can tell apart.
         # With the least one, windows sink into their walls and markers into the ground.
         eye = np.array(pose[0])
-        gaps = [abs(pose[0].z) + _BENEATH]
+        gaps = [abs(pose[0].z) + _PLAIN_HEIGHT]
         if self._world.ground.terrain:
             gaps = [pose[0].z - max(map(max, self._world.ground.terrain.heights))]
-        for name, (middle, radius) in self._balls.items():
-            at, attitude = self._poses[name]
-            gaps.append(float(np.linalg.norm(rotation(attitude) @ middle + at - eye)) - radius)
-        # In a corner of the picture depth is the least share of the distance.
+        for key, (center, radius) in self._spheres.items():
+            at, attitude = self._poses[key]
+            center = rotation_matrix(attitude) @ center + at
+            gaps.append(float(np.linalg.norm(center - eye)) - radius)
+        # In a corner of the image depth is the least share of the distance.
         across = max(lens.cx + 1, lens.width - lens.cx) / lens.fx
         down = max(lens.cy + 1, lens.height - lens.cy) / lens.fy
-        return min(max(self.near, min(gaps) / hypot(1, across, down)), _NEAR_AT_MOST)
+        return min(max(self.near, min(gaps) / hypot(1, across, down)), _LARGEST_NEAR)
 
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
 
     def look(
         self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
-    ) -> tuple[Pixels, NDArray[np.int32]]:
+    ) -> tuple[Pixels, Int32s]:
         with shut(1):
             return super().look(pose, intrinsics, moment, vehicles)
 
@@ -316,7 +313,7 @@ class EglView(BulletView):
                 super().close()
 
 
-class _Window(BulletView):
+class _Window(BulletRenderer):
     """pybullet's own window."""
 
     def _connect(self) -> int:
@@ -332,12 +329,12 @@ class _Window(BulletView):
         return int(client)
 
     def show(self) -> None:
-        """Let the moving things move, until the window is closed."""
+        """Let the moving things move in real time, until the window is closed."""
         p, began = self._p, time.monotonic()
         with suppress(p.error):
             while p.isConnected(self._client):
-                for thing in self._moving:
-                    self._place(thing.name, pose_at(thing, time.monotonic() - began))
+                for key, pose in self._scene.poses(time.monotonic() - began, {}).items():
+                    self._place(key, pose)
                 time.sleep(1 / 60)
         self._client = -1
         self._files.cleanup()
@@ -348,40 +345,43 @@ def show(world: World) -> None:
     _Window(world, {}).show()
 
 
-_AROUND = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-_CORNERS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
-"""Of a texture, as _AROUND goes; v counts down."""
-_AWAY: tuple[Any, Quaternion] = ((0.0, 0.0, -1000.0), (0.0, 0.0, 0.0, 1.0))
+_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_SQUARE_UVS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
+"""Texture coordinates of those corners; v goes down."""
 
 
-def _ball_about(thing: Thing) -> tuple[NDArray[np.float64], float]:
-    solids = [solid_of(part) for part in thing.parts]
-    corners = np.concatenate([solid.vertices for solid in solids] or [np.zeros((1, 3))])
-    middle = (corners.min(0) + corners.max(0)) / 2
-    reaches = [
-        float(np.linalg.norm(solid.vertices - middle, axis=1).max()) + solid.sphere
-        for solid in solids
+def _bounding_sphere(thing: Thing) -> tuple[Float64s, float]:
+    """The centre and radius of a sphere about a thing, in its own frame, metres."""
+    surfaces = [surface_of(part) for part in thing.parts]
+    vertices = np.concatenate([surface.vertices for surface in surfaces] or [np.zeros((1, 3))])
+    center = (vertices.min(0) + vertices.max(0)) / 2
+    radii = [
+        float(np.linalg.norm(surface.vertices - center, axis=1).max()) + surface.sphere_radius
+        for surface in surfaces
     ]
-    return middle, max(reaches, default=0.0)
+    return center, max(radii, default=0.0)
 
 
 def _rgba(color: Color) -> list[float]:
     return [part / 255 for part in color] + [1.0]
 
 
-def matrices(
-    pose: Pose, lens: Intrinsics, shift: float, near: float
+def opengl_matrices(
+    pose: Pose, lens: Intrinsics, pixel_offset: float, near: float
 ) -> tuple[list[float], list[float]]:
-    """OpenGL's view and projection matrices, column by column."""
-    turn = rotation(pose[1])
+    """OpenGL's view and projection matrices of a camera, column by column.
+
+    ``pixel_offset``: how far right and down of a pixel's centre the renderer samples, pixels;
+    ``near``: depth of the near plane, metres.
+    """
     # OpenGL's camera looks along −z with y up.
-    axes = turn * [1.0, -1.0, -1.0]
+    axes = rotation_matrix(pose[1]) * [1.0, -1.0, -1.0]
     view = np.eye(4)
     view[:3, :3] = axes.T
     view[:3, 3] = -axes.T @ np.array(pose[0])
     w, h = lens.width, lens.height
-    across = (2 * (lens.cx - shift) + 1) / w - 1
-    down = (2 * (lens.cy + shift) + 1) / h - 1
+    across = (2 * (lens.cx - pixel_offset) + 1) / w - 1
+    down = (2 * (lens.cy + pixel_offset) + 1) / h - 1
     projection = np.array(
         [
             [2 * lens.fx / w, 0, -across, 0],

@@ -1,8 +1,9 @@
 """Reads robot and model descriptions (URDF, SDF) as rigid groups of shapes.
 
-Of either format this takes boxes, cylinders, spheres and meshes of all links, joints at zero. A
-link is solid as it looks; one without visuals is taken by its collision shapes. Joints do not
-move, and plugins, sensors, physics settings and materials beyond a plain colour are left out.
+Of either format this takes the boxes, cylinders, spheres and meshes of all links, with joints at
+zero. A link collides with the shapes that are seen of it; one without visuals is made of its
+collision shapes. Joints do not move, and plugins, sensors, physics settings and materials beyond a
+plain colour are left out.
 """
 
 from __future__ import annotations
@@ -12,17 +13,19 @@ from math import isfinite
 from pathlib import Path
 from xml.etree import ElementTree
 
-from vencejo.geometry import Point, Quaternion, about_x, about_y, product, turned, yaw_quaternion
-from worlds.meshes import load_mesh
+from vencejo.geometry import Point, Pose, about_x, about_y, product, turned, yaw_quaternion
+from worlds.mesh_files import load_mesh
 from worlds.things import UPRIGHT, Color, Cuboid, Cylinder, Mesh, Part, Shape, Sphere
 
 _GRAY: Color = (128, 128, 128)
-_HERE = Point(0.0, 0.0, 0.0)
-Pose = tuple[Point, Quaternion]
+_ZERO = Point(0.0, 0.0, 0.0)
 
 
 def load_model(path: Path) -> tuple[Part, ...]:
-    """The parts of a model, in the frame of its root. Raises ValueError with what is wrong."""
+    """The parts of a model, in the frame of its root link.
+
+    Raises ValueError; its message tells what is wrong with the file.
+    """
     text = path.read_text("utf-8", "replace")
     if "<!ENTITY" in text or "<!DOCTYPE" in text:
         raise ValueError("document types and entities are not read")
@@ -43,14 +46,14 @@ def load_model(path: Path) -> tuple[Part, ...]:
     return parts
 
 
-# URDF: links hang in each other by joints.
+# URDF: joints place links in each other. http://wiki.ros.org/urdf/XML
 
 
 def _urdf(robot: ElementTree.Element, folder: Path) -> Iterator[Part]:
     colors = {m.get("name"): _urdf_color(m) for m in robot.findall("material")}
     poses = _link_poses(robot)
     for link in robot.findall("link"):
-        for element in _looks(link):
+        for element in _shapes_of(link):
             material = element.find("material")
             color = _GRAY
             if material is not None:
@@ -61,22 +64,23 @@ def _urdf(robot: ElementTree.Element, folder: Path) -> Iterator[Part]:
 
 
 def _link_poses(robot: ElementTree.Element) -> dict[str, Pose]:
+    """The pose of each link in the frame of the root. Raises ValueError."""
     names = {link.get("name", "") for link in robot.findall("link")}
-    hung: dict[str, tuple[str, Pose]] = {}
+    parents: dict[str, tuple[str, Pose]] = {}
     for joint in robot.findall("joint"):
         ends = [joint.find(end) for end in ("parent", "child")]
         parent, child = (end.get("link", "") if end is not None else "" for end in ends)
         for name in (parent, child):
             if name not in names:
                 raise ValueError(f"joint '{joint.get('name')}' names the unknown link '{name}'")
-        hung[child] = (parent, _origin(joint))
-    poses = dict.fromkeys(names - set(hung), (_HERE, UPRIGHT))
-    while hung:
-        ready = [child for child, (parent, _) in hung.items() if parent in poses]
+        parents[child] = (parent, _origin(joint))
+    poses = dict.fromkeys(names - set(parents), (_ZERO, UPRIGHT))
+    while parents:
+        ready = [child for child, (parent, _) in parents.items() if parent in poses]
         if not ready:
-            raise ValueError(f"the joints of {', '.join(sorted(hung))} lead in a circle")
+            raise ValueError(f"the joints of {', '.join(sorted(parents))} lead in a circle")
         for child in ready:
-            parent, pose = hung.pop(child)
+            parent, pose = parents.pop(child)
             poses[child] = _joined(poses[parent], pose)
     return poses
 
@@ -84,7 +88,7 @@ def _link_poses(robot: ElementTree.Element) -> dict[str, Pose]:
 def _origin(element: ElementTree.Element) -> Pose:
     origin = element.find("origin")
     if origin is None:
-        return _HERE, UPRIGHT
+        return _ZERO, UPRIGHT
     return _pose(
         [*_numbers(origin.get("xyz", "0 0 0"), 3), *_numbers(origin.get("rpy", "0 0 0"), 3)]
     )
@@ -99,7 +103,7 @@ def _urdf_sizes(shape: ElementTree.Element, name: str) -> str | None:
     return shape.get({"file": "filename"}.get(name, name))
 
 
-# SDF: links have poses in their model.
+# SDF: links have poses in their model. http://sdformat.org/spec
 
 
 def _sdf(root: ElementTree.Element, folder: Path) -> Iterator[Part]:
@@ -113,7 +117,7 @@ def _sdf(root: ElementTree.Element, folder: Path) -> Iterator[Part]:
         if model.find("model") is not None:
             raise ValueError("models inside models are not read")
         for link in model.findall("link"):
-            for element in _looks(link):
+            for element in _shapes_of(link):
                 pose = _joined(_joined(_sdf_pose(model), _sdf_pose(link)), _sdf_pose(element))
                 color = element.findtext("material/diffuse") or element.findtext("material/ambient")
                 yield _part(element, _sdf_sizes, folder, pose, _rgb(color) if color else _GRAY)
@@ -130,7 +134,7 @@ def _sdf_sizes(shape: ElementTree.Element, name: str) -> str | None:
 # Both.
 
 
-def _looks(link: ElementTree.Element) -> list[ElementTree.Element]:
+def _shapes_of(link: ElementTree.Element) -> list[ElementTree.Element]:
     return link.findall("visual") or link.findall("collision")
 
 
@@ -181,11 +185,12 @@ def _mesh(folder: Path, word: str, scale: list[float]) -> Mesh:
 
 
 def _joined(outer: Pose, inner: Pose) -> Pose:
+    """The pose, in an outermost frame, of a frame whose pose in another one is ``inner``."""
     return outer[0].plus(turned(inner[0], outer[1])), product(outer[1], inner[1])
 
 
 def _pose(values: list[float]) -> Pose:
-    """From x, y, z, roll, pitch, yaw."""
+    """The pose of x, y, z (metres), roll, pitch and yaw (radians, about fixed axes)."""
     x, y, z, roll, pitch, yaw = values
     attitude = product(product(yaw_quaternion(yaw), about_y(pitch)), about_x(roll))
     return Point(x, y, z), attitude

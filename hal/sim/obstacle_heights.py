@@ -1,10 +1,11 @@
-"""How high what can be touched reaches, place by place: above that, nobody asks for contacts."""
+"""Heights of obstacles over a grid of cells: above them, no contacts are looked for."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise, product
 from math import ceil, dist, hypot, inf
+from typing import NamedTuple
 
 from vencejo.geometry import Point
 from worlds.motion import track_of
@@ -13,26 +14,30 @@ from worlds.things import Terrain, Thing
 
 _CELL = 2.0
 """Side of a cell, metres."""
-_ROOM = 0.6
-"""How far a vehicle reaches and flies in one mission period, metres."""
-_LARGE = 200.0
-"""What is longer than this, metres, counts everywhere."""
+_MARGIN = 0.6
+"""A vehicle's half width and its way in one mission period, metres."""
+_LARGEST = 200.0
+"""Obstacles longer than this, metres, count in every cell."""
 
 
-class Skyline:
-    """Heights over a grid of square cells."""
+class ObstacleHeightGrid:
+    """The height of the highest obstacle in each cell, with room for a vehicle about it.
+
+    World frame, metres. Things that move count along all of their path.
+    """
 
     def __init__(self, things: Iterable[Thing], terrain: Terrain | None) -> None:
-        self.ground = _ROOM + (max(map(max, terrain.heights)) if terrain else 0.0)
+        self.ground = _MARGIN + (max(map(max, terrain.heights)) if terrain else 0.0)
         """Below this height a vehicle can touch the ground."""
         self._everywhere = -inf
         self._tops: dict[tuple[int, int], float] = {}
         for thing in things:
-            for low_x, low_y, high_x, high_y, top in _reaches(thing):
-                self._raise(low_x, low_y, high_x, high_y, top)
+            for obstacle in _obstacles(thing):
+                self._add(obstacle)
 
-    def _raise(self, low_x: float, low_y: float, high_x: float, high_y: float, top: float) -> None:
-        if max(high_x - low_x, high_y - low_y) > _LARGE:
+    def _add(self, obstacle: _Obstacle) -> None:
+        low_x, low_y, high_x, high_y, top = obstacle
+        if max(high_x - low_x, high_y - low_y) > _LARGEST:
             self._everywhere = max(self._everywhere, top)
             self._tops = {cell: max(top, high) for cell, high in self._tops.items()}
             return
@@ -42,23 +47,35 @@ class Skyline:
             self._tops[cell] = max(top, self._tops.get(cell, self._everywhere))
 
     def thing_near(self, x: float, y: float, z: float) -> bool:
-        """Whether a vehicle there can touch a thing in this mission period."""
+        """Whether a vehicle at a place can touch a thing in this mission period."""
         return z < self._tops.get((int(x // _CELL), int(y // _CELL)), self._everywhere)
 
 
-def _reaches(thing: Thing) -> Iterator[tuple[float, float, float, float, float]]:
-    """Ground rectangles and heights that the parts of a thing reach, with room about them."""
-    origin = Point(0.0, 0.0, 0.0)
+class _Obstacle(NamedTuple):
+    """A rectangle on the ground and a height up to which there is something to touch."""
+
+    low_x: float
+    low_y: float
+    high_x: float
+    high_y: float
+    top: float
+
+
+def _obstacles(thing: Thing) -> Iterator[_Obstacle]:
+    """The obstacles that the parts of a thing are, with room for a vehicle about them."""
+    origin, margin = Point(0.0, 0.0, 0.0), _MARGIN
     for part in solid_parts(thing):
         if thing.motion is None:
             pose = part_pose(part, thing.at, thing.attitude)
             low, high = bounds_of(part.shape, *pose)
-            yield low.x - _ROOM, low.y - _ROOM, high.x + _ROOM, high.y + _ROOM, high.z + _ROOM
+            yield _Obstacle(
+                low.x - margin, low.y - margin, high.x + margin, high.y + margin, high.z + margin
+            )
             continue
         low, high = bounds_of(part.shape, *part_pose(part, origin, thing.attitude))
-        reach = _ROOM + max(hypot(x, y) for x, y in product((low.x, high.x), (low.y, high.y)))
+        reach = margin + max(hypot(x, y) for x, y in product((low.x, high.x), (low.y, high.y)))
         for x, y, z in _along(track_of(thing.motion).corners):
-            yield x - reach, y - reach, x + reach, y + reach, z + high.z + _ROOM
+            yield _Obstacle(x - reach, y - reach, x + reach, y + reach, z + high.z + margin)
 
 
 def _along(corners: tuple[Point, ...]) -> Iterator[Point]:

@@ -1,4 +1,7 @@
-"""The files that a world names. Pictures are checked without decoding them: loading stays quick."""
+"""Files that a world file names: images, meshes, models.
+
+Images are checked without decoding them, so that loading stays quick.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +16,8 @@ from worlds.values import TEXT, Value
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
-def picture_problem(path: Path) -> str | None:
-    """What is wrong with a PNG or JPEG file, in plain words; None when it is whole."""
+def image_problem(path: Path) -> str | None:
+    """Tell what is wrong with a PNG or JPEG file; None when it is whole."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -28,29 +31,33 @@ def picture_problem(path: Path) -> str | None:
 
 
 def _png_is_whole(data: bytes) -> bool:
-    """Whether all chunks are there with their checksums right."""
+    """Whether all chunks are there and their checksums right (PNG specification, section 5)."""
     at = len(_PNG)
     while at + 12 <= len(data):
         size = int.from_bytes(data[at : at + 4], "big")
-        body, sum_at = data[at + 4 : at + 8 + size], at + 8 + size
-        if crc32(body) != int.from_bytes(data[sum_at : sum_at + 4], "big"):
+        # The checksum is of the chunk's type and data.
+        body, checksum_at = data[at + 4 : at + 8 + size], at + 8 + size
+        if crc32(body) != int.from_bytes(data[checksum_at : checksum_at + 4], "big"):
             return False
         if body[:4] == b"IEND":
             return True
-        at = sum_at + 4
+        at = checksum_at + 4
     return False
 
 
-def _picture(node: YamlNode) -> Image:
+def _image(node: YamlNode) -> Image:
     path = file_of(node)
-    problem = picture_problem(path)
+    problem = image_problem(path)
     if problem is not None:
         raise UserError("bad-picture", f"'{path}' cannot be shown: {problem}", node.where)
     return Image(path)
 
 
 def file_of(node: YamlNode) -> Path:
-    """The file that a text names, beside the world file. Raises UserError (``no-such-file``)."""
+    """The path of the file that a text names, from the world file's folder.
+
+    Raises UserError (``no-such-file``, ``wrong-type``).
+    """
     path = Path(node.where.file).parent / TEXT.read(node)
     if not path.is_file():
         others = [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
@@ -59,4 +66,5 @@ def file_of(node: YamlNode) -> Path:
     return path
 
 
-PICTURE = Value(_picture, {"type": "string"})
+IMAGE = Value(_image, {"type": "string"})
+"""A PNG or JPEG file, whole."""

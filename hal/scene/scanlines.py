@@ -1,65 +1,86 @@
-"""Which pixels convex polygons cover: exactly those whose centres lie inside.
+"""Scan conversion: the pixels that convex polygons cover, exactly those whose centres lie inside.
 
 OpenCV's own polygons are half a pixel too large all round and inexact at their edges; its fill is
 fast, though, and exact for outlines on whole pixels. So the outline of the covered pixels is
-worked out here, for all polygons of a picture at once, and OpenCV fills it.
+computed here, for all polygons of an image at once, and OpenCV fills it.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hal.scene.arrays import Float64s, Int32s, Int64s
 
 
 @dataclass(frozen=True, eq=False)
-class Spans:
-    """Rows of pixels that polygons cover, those of one polygon together and from top to bottom."""
+class Scanlines:
+    """Runs of pixels that polygons cover: one run per polygon and row.
 
-    polygon: Ints
-    """Index of the polygon, for each row."""
-    y: Ints
-    left: Ints
-    """First pixel."""
-    right: Ints
-    """Last pixel."""
+    The runs of one polygon follow each other, from top to bottom.
+    """
+
+    polygon: Int64s
+    """Index of the polygon, for each run."""
+    y: Int64s
+    """Row of the image."""
+    left: Int64s
+    """First column."""
+    right: Int64s
+    """Last column, itself covered."""
+
+    def without(self, count: int) -> Scanlines:
+        """Those of all polygons but the first ``count``, which are numbered anew."""
+        first = int(np.searchsorted(self.polygon, count))
+        return Scanlines(
+            self.polygon[first:] - count, self.y[first:], self.left[first:], self.right[first:]
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """Outlines of covered pixels, to be filled by ``cv2.fillConvexPoly``."""
+    """Outlines of covered pixels, to be filled by ``cv2.fillConvexPoly``.
 
-    points: NDArray[np.int32]
-    """(n, 2)."""
+    A thin polygon may have several outlines, or none.
+    """
+
+    points: Int32s
+    """Columns and rows, (n, 2), of all outlines one after the other."""
     polygon: list[int]
-    """Whose outline it is; a thin polygon may have several, or none."""
+    """Index of the polygon, for each outline."""
     start: list[int]
-    """First point of each, and the end of the last."""
+    """First point of each outline, and the number of points at the end."""
+
+    def without(self, count: int) -> Outlines:
+        """Those of all polygons but the first ``count``, which are numbered anew."""
+        first = bisect_left(self.polygon, count)
+        polygon = [number - count for number in self.polygon[first:]]
+        return Outlines(self.points, polygon, self.start[first:])
 
 
-def spans(points: Floats, starts: Ints, width: int, height: int) -> Spans:
-    """The pixels of polygons in a picture.
+def scan_convert(points: Float64s, starts: Int64s, width: int, height: int) -> Scanlines:
+    """The pixels of an image of that size that convex polygons cover.
 
-    ``points`` (n, 2) are x and y, pixel centres being whole numbers; ``starts`` gives each
-    polygon's first point, and the number of points at its end. The points go counter-clockwise
-    as seen (down the left side).
+    ``points`` (n, 2) are x and y in pixels, where pixel centres are whole numbers; ``starts`` is
+    the index of each polygon's first point, and the number of points at its end. The points go
+    counter-clockwise as seen in the image (down the left side).
     """
     counts = np.diff(starts)
     first = starts[:-1]
     if not len(first):
         none = np.zeros(0, np.int64)
-        return Spans(none, none, none, none)
+        return Scanlines(none, none, none, none)
     following = np.arange(1, len(points) + 1)
     following[starts[1:] - 1] = first
     x, y = points[:, 0], points[:, 1]
-    # Every edge from its upper to its lower end, so that faces that share it agree.
+    # Every edge is followed from its upper to its lower end: so two faces that share it round
+    # alike, and no pixel between them is covered twice or not at all.
     rising = y[following] < y
     upper, lower = np.arange(len(points)), following
     upper[rising], lower[rising] = lower[rising], upper[rising]
+    # The rows that each edge crosses, and the first whole column at or right of each crossing.
     rows = np.minimum(np.maximum(np.ceil(y), 0), height).astype(np.int64)
     begin, number = rows[upper], rows[lower] - rows[upper]
     ends = np.cumsum(number)
@@ -69,6 +90,7 @@ def spans(points: Floats, starts: Ints, width: int, height: int) -> Spans:
     slope = (x[lower] - x[upper]) / np.where(fall > 0, fall, 1.0)
     crossing = (x[upper] - slope * y[upper])[edge] + slope[edge] * row
     crossing = np.ceil(np.minimum(np.maximum(crossing, -1.0), width + 1.0)).astype(np.int64)
+    # A convex polygon has one edge on its left and one on its right in every row.
     top = np.minimum.reduceat(rows, first)
     heights = np.maximum.reduceat(rows, first) - top
     row_ends = np.cumsum(heights)
@@ -82,17 +104,17 @@ def spans(points: Floats, starts: Ints, width: int, height: int) -> Spans:
     polygon = np.repeat(np.arange(len(first)), heights)
     ys = np.arange(len(left)) - (row_ends - heights - top)[polygon]
     covered = left <= right
-    return Spans(polygon[covered], ys[covered], left[covered], right[covered])
+    return Scanlines(polygon[covered], ys[covered], left[covered], right[covered])
 
 
-def outlines(covered: Spans) -> Outlines:
-    """The outlines of covered pixels, on whole pixels: steps that are level or upright."""
-    polygon, y, left, right = covered.polygon, covered.y, covered.left, covered.right
+def outlines_of(scanlines: Scanlines) -> Outlines:
+    """The outlines of covered pixels, through pixel centres, in level and upright steps."""
+    polygon, y, left, right = scanlines.polygon, scanlines.y, scanlines.left, scanlines.right
     count = len(y)
     if not count:
         return Outlines(np.zeros((0, 2), np.int32), [], [0])
+    # Rows of a polygon that touch each other share an outline; a thin one falls into pieces.
     joined = np.zeros(count + 1, bool)
-    """Whether a row hangs together with the one before."""
     joined[1:-1] = (
         (polygon[1:] == polygon[:-1])
         & (y[1:] == y[:-1] + 1)
@@ -101,10 +123,11 @@ def outlines(covered: Spans) -> Outlines:
     )
     first = np.flatnonzero(~joined[:-1])
     sizes = np.diff(np.append(first, count))
+    # Each row has four points: two on the way down its right side, two on the way up its left.
     base = np.repeat(4 * first, sizes)
     depth = 2 * (np.arange(count) - base // 4)
     end = base + np.repeat(4 * sizes, sizes)
-    # Between a row and the next the outline steps on the row where both are covered.
+    # Between a row and the next the outline steps within the row where both are covered.
     below = np.minimum(np.arange(count) + joined[1:], count - 1)
     points = np.empty((4 * count, 2), np.int32)
     down, up = base + depth, end - depth

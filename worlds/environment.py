@@ -1,4 +1,4 @@
-"""The parts of a world that have no name: origin, ground, light and starts."""
+"""The environment of a world, as world files write it: origin, ground, light and starts."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from math import cos, pi, sin
 from vencejo.errors import UserError, Where
 from vencejo.nodes import Sequence, YamlNode
 from vencejo.units import ANGLE, LENGTH
+from worlds.assets import IMAGE
 from worlds.colors import COLORS
 from worlds.model import Ground, Light, Origin
-from worlds.pictures import PICTURE
 from worlds.terrain import TERRAIN
 from worlds.things import Color, Image, Terrain
 from worlds.values import (
@@ -50,7 +50,7 @@ GROUND = Field(
         {
             "color": Field(COLOR, COLORS["grass"]),
             "size": Field(SIZE, 100.0),
-            "texture": Field(PICTURE, None),
+            "texture": Field(IMAGE, None),
             "tile": Field(SIZE, 10.0),
             "terrain": Field(TERRAIN, None),
         },
@@ -61,6 +61,7 @@ GROUND = Field(
 
 
 def _light(heading: float, height: float, ambient: float, sky: Color) -> Light:
+    """The light of a sun at a heading and a height above the horizon, radians."""
     level = cos(height)
     return Light((level * cos(heading), level * sin(heading), sin(height)), ambient, sky)
 
@@ -97,4 +98,4 @@ def _starts(node: YamlNode) -> list[tuple[Where, Spot, float]]:
 STARTS = Value(
     _starts, {"anyOf": [_START.schema, {"type": "array", "items": _START.schema, "minItems": 1}]}
 )
-"""Each with its place in the file."""
+"""One start or a list of them; each comes with its place in the file, its spot and its heading."""

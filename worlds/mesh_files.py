@@ -1,4 +1,4 @@
-"""Reads triangles from OBJ and STL files."""
+"""Reads triangle meshes from Wavefront OBJ and STL files."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ MOST_TRIANGLES = 50_000
 
 
 def load_mesh(path: Path) -> Mesh:
-    """The mesh of a Wavefront OBJ (shapes only, no materials) or STL file (text or binary).
+    """The mesh of an OBJ file (vertices and faces only) or an STL file (text or binary).
 
-    Raises ValueError with what is wrong with it.
+    Raises ValueError; its message tells what is wrong with the file.
     """
     suffix = path.suffix.lower()
     if suffix not in (".obj", ".stl"):
@@ -55,7 +55,7 @@ def _read_obj(data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 
 
 def _corner(word: str, known: int) -> int:
-    """The vertex of ``7``, ``7/1/2`` or ``-1``, from 0."""
+    """The index of a vertex, from 0, of a face's word: ``7``, ``7/1/2``, or ``-1`` for the last."""
     number = int(word.partition("/")[0])
     return number - 1 if number > 0 else known + number if number < 0 else -1
 

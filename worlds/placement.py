@@ -1,4 +1,4 @@
-"""Where things are: their place, their heading or the path they follow."""
+"""The placement of things as world files write it: place and heading, or a path to follow."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from worlds.values import (
 )
 
 Stand = Callable[[Spot], Point]
-"""Gives a place its height: that of the ground, where it has none."""
+"""Gives a spot its height: that of the ground, where none is written."""
 
 
 @dataclass(frozen=True, slots=True)
-class Moves:
-    """A path as written."""
+class PathDraft:
+    """A path as written; the world gives it heights."""
 
     through: tuple[Spot, ...]
     speed: float
@@ -37,6 +37,7 @@ class Moves:
     turns: bool
 
     def motion(self, stand: Stand) -> Motion:
+        """The motion along the path; a smooth one is sampled."""
         points = [tuple(stand(spot)) for spot in self.through]
         if self.smooth:
             points = curves.smooth(points, self.loop)
@@ -45,24 +46,25 @@ class Moves:
 
 
 @dataclass(frozen=True, slots=True)
-class Draft:
-    """A thing as written; it gets its name and its height from the world."""
+class ThingDraft:
+    """A thing as written; the world gives it a name and a height."""
 
     kind: str
     parts: tuple[Part, ...]
     solid: bool
     spot: Spot
     heading: float
-    moves: Moves | None
+    moves: PathDraft | None
 
     def thing(self, name: str, stand: Stand) -> Thing:
+        """The thing of that name; one that moves begins where its path begins."""
         motion = self.moves.motion(stand) if self.moves else None
         at = motion.points[0] if motion else stand(self.spot)
         attitude = yaw_quaternion(self.heading)
         return Thing(name, self.kind, at, attitude, self.parts, self.solid, motion)
 
 
-def _moves(**keys: Any) -> Moves:
+def _moves(**keys: Any) -> PathDraft:
     if len(curves.without_repeats(keys["through"])) < len(keys["through"]):
         raise Misfit("bad-path", "a point stands twice in a row in this path", "through")
     if keys["loop"] and keys["through"][0] == keys["through"][-1]:
@@ -72,7 +74,7 @@ def _moves(**keys: Any) -> Moves:
             "through",
             "leave the last point out",
         )
-    return Moves(**keys)
+    return PathDraft(**keys)
 
 
 MOVES = record(
@@ -95,11 +97,14 @@ def placed(
     *,
     solid: bool = True,
     what: str = "",
-) -> Value[Draft]:
-    """A kind of things: its own keys beside those that all have, which say where a thing is."""
+) -> Value[ThingDraft]:
+    """A kind of thing: its own keys, beside those of its placement.
+
+    ``parts`` makes its parts of the values of its own keys; ``what`` names it in errors.
+    """
     what = what or f"a {kind}"
 
-    def build(at: Spot | None, heading: float, moves: Moves | None, **own: Any) -> Draft:
+    def build(at: Spot | None, heading: float, moves: PathDraft | None, **own: Any) -> ThingDraft:
         if at is None and moves is None:
             raise Misfit("missing-key", f"{what} needs 'at'")
         if at is not None and moves is not None:
@@ -110,13 +115,13 @@ def placed(
                 "leave it out, or make it the first point of 'through'",
             )
         spot = at or Spot(0.0, 0.0)
-        return Draft(kind, parts(**own), solid, spot, heading, moves)
+        return ThingDraft(kind, parts(**own), solid, spot, heading, moves)
 
-    placing = {
+    placement = {
         "at": Field(SPOT, None),
         "heading": Field(ANGLE_VALUE, 0.0),
         "moves": Field(MOVES, None),
     }
-    value = record(what, {**placing, **keys}, build)
-    placed = {"oneOf": [{"required": ["at"]}, {"required": ["moves"]}]}
-    return Value(value.read, {**value.schema, **placed})
+    value = record(what, {**placement, **keys}, build)
+    either = {"oneOf": [{"required": ["at"]}, {"required": ["moves"]}]}
+    return Value(value.read, {**value.schema, **either})

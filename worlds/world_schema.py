@@ -75,14 +75,14 @@ HELP: Mapping[str, str] = {
     "width": "Metres.",
     "world": "The world's name.",
 }
-"""What each key is for, as editors show it."""
+"""The help for each key that editors show."""
 
 
 def world_schema() -> dict[str, Any]:
-    """What can be said of a world file without its neighbours: keys, types, bounds, words.
+    """The JSON Schema (2020-12) of world files: keys, types, bounds and words.
 
-    What needs more than one value (names used twice, starts in things, files that are missing) is
-    left to the loader.
+    Rules about more than one value (names used twice, starts in things) and missing files are left
+    to the loader.
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

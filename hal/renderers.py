@@ -1,0 +1,86 @@
+"""Renderers by name: each is an entry point ``vencejo.renderers`` that opens a world.
+
+A renderer turns a world and a camera's pose into an image. Its entry point names what is called as
+``(world, vehicles, shadows)`` and returns a :class:`Renderer`; none is imported before an image is
+wanted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any, Protocol
+
+from hal.vehicle import Intrinsics
+from vencejo.errors import UserError, nearest
+from vencejo.geometry import Pose
+from worlds.model import World
+from worlds.things import Thing
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+GROUP = "vencejo.renderers"
+_WINDOW = "hal.sim.bullet_renderers:show"
+
+
+class Renderer(Protocol):
+    """Renders images of one world."""
+
+    def render(
+        self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
+    ) -> NDArray[np.uint8]:
+        """A BGR image (height, width, 3) of a pinhole camera; distortion is left out.
+
+        ``pose`` is the camera's: its optical axes (x right, y down, z out) to world. Moving things
+        stand where they are ``time`` seconds after the run began. Of the vehicles that the renderer
+        was opened with, those with a pose (body to world) are seen.
+        """
+
+    def close(self) -> None:
+        """Give its memory back."""
+
+
+def renderer_names() -> list[str]:
+    """The renderers that are installed."""
+    return sorted({point.name for point in entry_points(group=GROUP)})
+
+
+def check_renderer(name: object) -> str:
+    """The name of an installed renderer. Raises UserError (``unknown-renderer``)."""
+    if not isinstance(name, str) or name not in renderer_names():
+        raise _unknown(name)
+    return name
+
+
+def open_renderer(
+    name: str, world: World, vehicles: Mapping[str, Thing], *, shadows: bool = False
+) -> Renderer:
+    """Open a renderer on a world.
+
+    ``vehicles``: the appearance of each, by its name. ``shadows``: what stands on the ground
+    darkens it. Raises UserError for a name that is none (``unknown-renderer``), a texture that
+    cannot be read, or a renderer that does not run on this machine.
+    """
+    for point in entry_points(group=GROUP):
+        if point.name == name:
+            renderer: Renderer = point.load()(world, vehicles, shadows)
+            return renderer
+    raise _unknown(name)
+
+
+def show_window(world: World) -> None:
+    """Show a world in a window until that is closed. Raises UserError without a display."""
+    module, _, attribute = _WINDOW.partition(":")
+    show: Any = getattr(import_module(module), attribute)
+    show(world)
+
+
+def _unknown(name: object) -> UserError:
+    return UserError(
+        "unknown-renderer",
+        f"there is no renderer '{name}'",
+        hint=nearest(str(name), renderer_names()),
+    )
