@@ -40,7 +40,7 @@ class Plan:
 class Watcher(Protocol):
     """Sees every period of a flight.
 
-    Looks through ``pilot.vehicle``: what is read through ``pilot.flight`` counts as read by the
+    Looks through ``pilot.vehicle``: what is read through ``pilot.channel`` counts as read by the
     mission and is recorded.
     """
 
@@ -113,33 +113,36 @@ def fly(
     options = Options(world=plan.prepared.world_word, seed=plan.seed, settings=plan.settings)
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
         (vehicle,) = session.vehicles.values()
-        frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
+        dt = session.wait()
+        frame = MissionFrame.at_start(vehicle.observe(), session.places, session.geographic)
         pilot = Pilot(graph, vehicle, plan.parameters, frame=frame, seed=plan.seed)
         recorder = record() if record else None
         if recorder:
             stack.callback(recorder.close)
             recorder.header(_facts(plan, session.engine))
             recorder.follow(pilot)
-        tally, answered, start = Tally(), 0, vehicle.observe().time
+        tally, answered, start = Tally(), 0, vehicle.observe().time - dt
         unwritten: UserError | None = None
         began = time.perf_counter()
-        while not pilot.finished:
-            session.wait()
+        while True:
             if stops.count > answered:
                 answered = stops.count
                 pilot.abort() if answered == 1 else pilot.land_now()
-            pilot.period()
+            pilot.period(dt)
             try:
                 records = recorder.take(pilot) if recorder else _drain(pilot)
             except UserError as error:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
                 unwritten, recorder, records = error, None, []
                 pilot.land_now()
-            tally.add(pilot.flight.world, frame.origin.z)
+            tally.add(pilot.channel.world, frame.origin.z)
             for watcher in watchers:
                 watcher.show(pilot, records)
             if pace.factor is not None:
-                pace.wait(pilot.flight.now, partial(_asked_more, stops, answered))
+                pace.wait(pilot.channel.now, partial(_asked_more, stops, answered))
+            if pilot.finished:
+                break
+            dt = session.wait()
         if unwritten is not None:
             raise unwritten
         if recorder:
@@ -148,11 +151,11 @@ def fly(
             outcome=pilot.outcome or "failed",
             reason=pilot.reason,
             output=pilot.instance.output,
-            mission_time=round(pilot.flight.now - start, 6),
+            mission_time=round(pilot.channel.now - start, 6),
             wall_time=time.perf_counter() - began,
             engine=session.engine,
             tally=tally,
-            battery=pilot.flight.observation.battery,
+            battery=pilot.channel.observation.battery,
             interrupted=answered > 0,
         )
 

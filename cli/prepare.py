@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from behaviors import drone_vocabulary, load_all, trusted
-from behaviors.catalog import Own
+from behaviors.registry import Own
 from cli.missions import Found
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults

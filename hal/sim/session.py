@@ -13,7 +13,7 @@ from hal.sim.physics import Physics
 from hal.sim.settings import read_settings
 from hal.sim.skyline import Skyline
 from hal.sim.vehicle import STEPS, SimVehicle
-from hal.vehicle import Options
+from hal.vehicle import PERIOD, Options
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
@@ -80,7 +80,7 @@ class SimSession:
     def geographic(self) -> tuple[float, float, float] | None:
         return self._geographic
 
-    def wait(self) -> None:
+    def wait(self) -> float:
         """Advance by six physics steps. Raises VehicleError when the session is closed."""
         if self._physics is None:
             raise VehicleError("closed", "the simulator is closed")
@@ -97,6 +97,7 @@ class SimSession:
         time = self._count / _PERIODS_PER_SECOND
         for vehicle in vehicles:
             vehicle.update(time)
+        return PERIOD
 
     def _steps(self) -> int:
         """Physics steps made so far."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import Any
 
-from behaviors import Catalog, Flight, MissionFrame, Pilot, drone_vocabulary
+from behaviors import Registry, Flight, MissionFrame, Pilot, drone_vocabulary
 from behaviors.activity import DroneActivity
 from fsm import Behavior, Outcome, compile_mission, read_mission_text
 from fsm.engine.instance import Record
@@ -46,7 +46,7 @@ class Solo:
         self.events: list[tuple[str, Mapping[str, Any]]] = []
         self.live: dict[str, Any] = {}
         self.outcome: Outcome | None = None
-        info = Catalog()[name] if isinstance(name, str) else name
+        info = Registry()[name] if isinstance(name, str) else name
         self.activity = DroneActivity(info, values or {}, progress, self.flight, self._post)
 
     def _post(self, name: str, fields: Mapping[str, Any]) -> None:

@@ -12,7 +12,7 @@ from behaviors import (
     Area,
     Behavior,
     BehaviorParams,
-    Catalog,
+    Registry,
     Heading,
     Point,
     Route,
@@ -161,7 +161,7 @@ def test_a_behaviour_is_described() -> None:
 
 
 def test_all_shipped_behaviours_say_what_they_are_for() -> None:
-    catalog = Catalog()
+    catalog = Registry()
     assert list(catalog) == ["goto", "hover", "land", "move", "return_home", "route", "takeoff"]
     assert len(catalog) == 7
     for name, info in catalog.items():

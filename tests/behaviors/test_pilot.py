@@ -448,7 +448,7 @@ def test_points_count_from_where_the_mission_began() -> None:
     )
     rig.until_in("idle")
     assert rig.vehicle.position == pytest.approx((12, 5, 6), abs=0.2)
-    assert rig.pilot.flight.observation.position == pytest.approx((2, 0, 4), abs=0.2)
+    assert rig.pilot.channel.observation.position == pytest.approx((2, 0, 4), abs=0.2)
 
 
 def test_the_same_flight_twice_leaves_the_same_records() -> None:

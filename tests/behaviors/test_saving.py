@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from behaviors.activity import DroneActivity
-from behaviors.saving import resume_flight, save_flight
+from behaviors.pilot import resume_flight, save_flight
 from fsm.values.packing import pack, unpack
 from tests.behaviors.flying import Rig, Solo
 from vencejo.errors import UserError
@@ -148,9 +148,9 @@ def test_a_mission_that_ended_in_the_air_is_still_brought_down() -> None:
 
 def test_draws_go_on() -> None:
     rig = Rig(HOVER)
-    rig.pilot.flight.rng.random()
+    rig.pilot.channel.rng.random()
     saved = save_flight(rig.pilot)
-    expected = rig.pilot.flight.rng.random()
+    expected = rig.pilot.channel.rng.random()
     resumed = resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
     assert resumed.flight.rng.random() == expected
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from behaviors import MissionFrame, Pilot
-from behaviors.saving import resume_flight, save_flight
+from behaviors.pilot import resume_flight, save_flight
 from cli import missions
 from cli.prepare import prepare
 from hal import Options, open_backend
@@ -29,7 +29,7 @@ def flown(mission: str, post: Mapping[int, str], saved: bool) -> list[Any]:
                 pilot.instance.post(post[len(trace)])
             pilot.period()
             records, pilot.instance.records = pilot.instance.records, []
-            trace.append((pilot.flight.world, records, pilot.outcome))
+            trace.append((pilot.channel.world, records, pilot.outcome))
             if saved:
                 known = json.loads(json.dumps(save_flight(pilot), allow_nan=False))
                 places, origin = session.places, session.geographic
