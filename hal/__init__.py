@@ -1,6 +1,7 @@
 """Vehicles: the contract that missions fly on, and its backends found by name."""
 
 from hal.backends import backend_capabilities, backend_names, open_backend
+from hal.base import BaseSession, BaseVehicle
 from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import Order, Orders
@@ -34,6 +35,8 @@ __all__ = [
     "VALIDITY",
     "Answer",
     "Attitude",
+    "BaseSession",
+    "BaseVehicle",
     "Camera",
     "Frame",
     "Hold",

@@ -12,14 +12,14 @@ from types import MappingProxyType
 from typing import Any
 
 from hal.backends import not_heard
-from hal.base import BaseVehicle
+from hal.base import BaseSession, BaseVehicle
 from hal.lights import Lights
 from hal.limits import Limits
-from hal.orders import ACCEPTED as UNDER_WAY
-from hal.orders import DONE, Decision, Order, refused
+from hal.orders import DONE, UNDER_WAY, Decision, Order, refused
 from hal.vehicle import (
     ACCEPTED,
     PERIOD,
+    PERIODS_PER_SECOND,
     VALIDITY,
     Answer,
     Attitude,
@@ -31,7 +31,6 @@ from hal.vehicle import (
     Setpoint,
     VehicleEvent,
     Velocity,
-    is_finite,
     link_of,
 )
 from vencejo.geometry import Point, horizontal_distance, rotate_xy, wrap, yaw_quaternion
@@ -71,8 +70,8 @@ class FakeVehicle(BaseVehicle):
         self.shown: list[Lights] = []
         """Every pattern its lamps were told to show."""
         self.capabilities = frozenset(
-            {"position", "velocity", "attitude", "yaw", "arm", "takeoff", "land", "return_home"}
-            | {"emergency_stop", "reset", "trim", "lights", "battery", "limits"}
+            {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+            | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
         )
         self.position = at
         self.yaw = yaw
@@ -93,7 +92,7 @@ class FakeVehicle(BaseVehicle):
         """Carries it along in the air, m/s."""
         self.stuck = False
         """It does not get anywhere, whatever it is told."""
-        self.refusal: str | None = None
+        self.refuse_next: str | None = None
         """Why the next verb is refused; used up by it."""
         self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
         self.limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
@@ -108,16 +107,7 @@ class FakeVehicle(BaseVehicle):
         self._velocity = _STILL
         self._turning = 0.0
         self._target = _STILL
-        self._given: tuple[Setpoint, float] | None = None
         self._setpoint: Setpoint = Hold()
-        self._expires = inf
-        self._heard: Observation | None = None
-
-    def observe(self) -> Observation:
-        """See the contract. Raises RuntimeError before the first ``wait()``."""
-        if self._heard is None:
-            raise RuntimeError("nothing is known of a vehicle before the first wait()")
-        return self._heard
 
     # What may happen to it.
 
@@ -141,11 +131,13 @@ class FakeVehicle(BaseVehicle):
         self.verbs.append(verb)
         return super().send(verb, *arguments)
 
-    def decide(self) -> None:
-        for order in self.orders.take() if self.refusal is not None else ():
-            order.state, order.reason = "refused", self.refusal or ""
-            self.refusal = None
-        super().decide()
+    def begin_period(self, heard: bool = True) -> None:
+        """See BaseVehicle; the next verb is refused where a test asks for that."""
+        if heard and self.refuse_next is not None:
+            for order in self.orders.take():
+                order.state, order.reason = "refused", self.refuse_next or ""
+                self.refuse_next = None
+        super().begin_period(heard)
 
     def _decide_arm(self) -> Decision:
         empty = ("the battery is empty",) if self.battery <= 0 else ()
@@ -216,19 +208,22 @@ class FakeVehicle(BaseVehicle):
     # Set-points.
 
     def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
-        """See the contract. Raises ValueError for numbers that are not finite."""
-        if not is_finite(setpoint):
-            raise ValueError(f"a set-point needs finite numbers: {setpoint}")
+        answer = super().command(setpoint, valid_for)
         self.commands.append(setpoint)
+        return answer
+
+    def refusal(self) -> str:
+        """See BaseVehicle."""
         if self.authority != "mission":
-            return Answer(False, self.authority_reason or f"the {self.authority} has authority")
+            return self.authority_reason or f"the {self.authority} has authority"
         if self._mode == "stopped":
-            return Answer(False, "the motors are stopped")
-        if self._mode == "landed" or (self.position.z <= 0 and self._mode != "flying"):
-            return Answer(False, "the vehicle is on the ground")
-        self.orders.supersede("ended by a command")
-        self._given = setpoint, valid_for
-        return ACCEPTED
+            return "the motors are stopped"
+        grounded = self.position.z <= 0 and self._mode != "flying"
+        return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
+
+    def fly(self, setpoint: Setpoint) -> None:
+        """See BaseVehicle."""
+        self._setpoint, self._mode = setpoint, "flying"
 
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
@@ -240,14 +235,11 @@ class FakeVehicle(BaseVehicle):
 
     # Time.
 
-    def advance(self, time: float, step: float = PERIOD) -> None:
-        """Live through the mission period of ``step`` seconds that ends at a time."""
+    def advance(self, now: float, step: float = PERIOD) -> None:
+        """Live through the mission period of ``step`` seconds that ends at ``now``."""
         deaf = self.silent or self.gone
-        if not deaf:
-            self._hear()
-        if self._setpoint != Hold() and self._time >= self._expires - 1e-9:
-            self._setpoint = Hold()
-        self._time = time
+        self.begin_period(heard=not deaf)
+        self._time = now
         if self.battery <= 0 and self._armed:
             self._stop_motors("the battery is empty")
         before, self._turning = self.position, 0.0
@@ -256,30 +248,16 @@ class FakeVehicle(BaseVehicle):
             self.position = before if self.stuck else after._replace(z=max(0.0, after.z))
         self._velocity = _times(self.position.minus(before), 1 / step)
         self._reach()
-        self.orders.expire(time)
         self.link_age = self.link_age + step if deaf else self.link_age
-        self._tell_all(deaf)
+        self.end_period(self._observed(deaf))
 
-    def _hear(self) -> None:
-        """Take in what it was told since the last period."""
-        if self._given is not None:
-            self._setpoint, valid_for = self._given
-            self._expires = self._time + valid_for
-            if self._mode != "flying":
-                self.orders.end("ended by a command")
-                self._mode = "flying"
-        self._given = None
-        self.decide()
-
-    def _tell_all(self, deaf: bool) -> None:
+    def _observed(self, deaf: bool) -> Observation:
         link = link_of(self.link_age, self.gone)
-        if deaf and self._heard is not None:
-            self._heard = self._heard._replace(
-                time=self._time, link_age=self.link_age, link=link, events=()
-            )
-            return
+        if deaf:
+            last = self.observe()
+            return last._replace(time=self._time, link_age=self.link_age, link=link, events=())
         events, self._events = tuple(self._events), []
-        self._heard = Observation(
+        return Observation(
             time=self._time,
             position=self.position,
             velocity=self._velocity,
@@ -367,7 +345,7 @@ class FakeVehicle(BaseVehicle):
             self._stop_motors()
 
 
-class FakeSession:
+class FakeSession(BaseSession[FakeVehicle]):
     """Fake vehicles, 2 m apart along x, in lockstep (see :class:`hal.vehicle.Session`)."""
 
     engine = "fake"
@@ -378,36 +356,28 @@ class FakeSession:
         places: Mapping[str, Point] | None = None,
         options: Options | None = None,
     ) -> None:
-        self.places = MappingProxyType(dict(places or {}))
-        self.vehicles = MappingProxyType(
-            {name: FakeVehicle(name, Point(2.0 * k, 0.0, 0.0)) for k, name in enumerate(names)}
+        super().__init__(
+            FakeVehicle(name, Point(2.0 * place, 0.0, 0.0)) for place, name in enumerate(names)
         )
-        self.geographic: tuple[float, float, float] | None = None
+        self.places = MappingProxyType(dict(places or {}))
         self.late = 0.0
         """Seconds by which the next period comes late; used up by it."""
         self._options = options or Options()
-        self._count = 0
         self._lateness = 0.0
         """Seconds by which all periods so far came late."""
 
     def wait(self) -> float:
         """See the contract. Raises VehicleError for a vehicle that is silent from the start."""
-        if self._count == 0:
+        if self.periods == 0:
             for vehicle in self.vehicles.values():
                 if vehicle.silent:
                     raise not_heard(vehicle.name, self._options)
-        self._count += 1
+        self.periods += 1
         step, self.late = PERIOD + self.late, 0.0
         self._lateness += step - PERIOD
         for vehicle in self.vehicles.values():
-            vehicle.advance(self._count / 40 + self._lateness, step)
+            vehicle.advance(self.periods / PERIODS_PER_SECOND + self._lateness, step)
         return step
-
-    def __enter__(self) -> FakeSession:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        pass
 
 
 def _times(vector: Point, factor: float) -> Point:

@@ -67,7 +67,7 @@ class Decision(NamedTuple):
     reason: str = ""
 
 
-ACCEPTED, DONE = Decision("accepted"), Decision("done")
+UNDER_WAY, DONE = Decision("accepted"), Decision("done")
 
 
 def refused(reason: str) -> Decision:

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-PERIOD = 0.025
-"""The mission period, seconds: every backend's session waits from one to the next (40 Hz)."""
+PERIODS_PER_SECOND = 40
+PERIOD = 1 / PERIODS_PER_SECOND
+"""The mission period, seconds: every backend's session waits from one to the next."""
 VALIDITY = 0.2
 """Seconds for which a set-point is flown unless it is given anew; then the backend holds."""
 

@@ -13,14 +13,13 @@ from hal.sim.physics import Physics
 from hal.sim.settings import read_settings
 from hal.sim.skyline import Skyline
 from hal.sim.vehicle import STEPS, SimVehicle
-from hal.vehicle import PERIOD, Options
+from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
 from worlds.model import Start, World
 from worlds.solids import thing_near
 
-_PERIODS_PER_SECOND = 40
 _ABREAST = 2.0
 """Vehicles beyond a world's starts stand this far along x from the one before, metres."""
 
@@ -94,7 +93,7 @@ class SimSession:
             for vehicle in vehicles:
                 vehicle.sense()
         self._count += 1
-        time = self._count / _PERIODS_PER_SECOND
+        time = self._count / PERIODS_PER_SECOND
         for vehicle in vehicles:
             vehicle.update(time)
         return PERIOD

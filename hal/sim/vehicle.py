@@ -8,8 +8,7 @@ from math import inf
 from hal.base import BaseVehicle
 from hal.lights import Lights, Rgb
 from hal.limits import Limits
-from hal.orders import ACCEPTED as UNDER_WAY
-from hal.orders import DONE, Decision, refused
+from hal.orders import DONE, UNDER_WAY, Decision, refused
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.cameras import Track
@@ -21,7 +20,6 @@ from hal.sim.skyline import Skyline
 from hal.vehicle import (
     ACCEPTED,
     PERIOD,
-    VALIDITY,
     Answer,
     Attitude,
     Camera,
@@ -31,7 +29,6 @@ from hal.vehicle import (
     Unavailable,
     VehicleEvent,
     Velocity,
-    is_finite,
 )
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
 from worlds.model import Start
@@ -39,13 +36,11 @@ from worlds.model import Start
 STEPS = 6
 """Physics steps in a mission period."""
 CAPABILITIES = frozenset(
-    {"position", "velocity", "attitude", "yaw", "arm", "takeoff", "land", "return_home"}
-    | {"emergency_stop", "reset", "trim", "lights", "battery", "limits"}
+    {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+    | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
 )
 _RETURN_HEIGHT = 5.0
 """Height above home at which a return flies at least, metres."""
-_EPSILON = 1e-9
-"""Seconds within which two times count as equal."""
 _AT_HOME = 0.5
 """A vehicle that stands this near to home has returned, metres."""
 _ARRIVED = 0.05
@@ -111,12 +106,6 @@ class SimVehicle(BaseVehicle):
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
-        self._setpoint: Setpoint | None = None
-        """Given since the last period, to be flown in the next."""
-        self._valid_for = VALIDITY
-        """Seconds for which the set-point given last is flown."""
-        self._expires: float | None = None
-        """When the set-point that is flown has been for that long; None where none is flown."""
         self._lights = Lights()
         self._lit_at = 0.0
         """Since when the lamps show that."""
@@ -133,19 +122,12 @@ class SimVehicle(BaseVehicle):
         self._leading: Point | None = None
         """The same of this period."""
         self._min_altitude = -inf
-        self._observation: Observation | None = None
 
     # What is known of it.
 
     @property
-    def capabilities(self) -> frozenset[str]:
+    def capabilities(self) -> frozenset[str]:  # type: ignore[override]
         return CAPABILITIES | {f"camera.{name}" for name in self.cameras}
-
-    def observe(self) -> Observation:
-        """See the contract. Raises RuntimeError before the first ``wait()``."""
-        if self._observation is None:
-            raise RuntimeError("nothing is known of a vehicle before the first wait()")
-        return self._observation
 
     def _observed(self) -> Observation:
         _, attitude, velocity, turning = self._state
@@ -273,9 +255,8 @@ class SimVehicle(BaseVehicle):
         self._mode = mode
         self._footing.stir()
         self._holding = False
-        self._expires = None
         # Take-off, landing and return lead through all heights.
-        self._controller.min_altitude = self._min_altitude if mode == "flying" else -inf
+        self._controller.min_altitude = -inf
 
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
@@ -284,26 +265,18 @@ class SimVehicle(BaseVehicle):
 
     # Set-points.
 
-    def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
-        """See the contract. Raises ValueError for numbers that are not finite."""
-        if not is_finite(setpoint):
-            # Once in the physics, nothing would ever be a number again.
-            raise ValueError(f"a set-point needs finite numbers: {setpoint}")
+    def refusal(self) -> str:
+        """See BaseVehicle."""
         if self._mode == "stopped":
-            return Answer(False, "the motors are stopped")
-        if self._mode == "landed" or (self._footing.supported and self._mode != "flying"):
-            return Answer(False, "the vehicle is on the ground")
-        self.orders.supersede("ended by a command")
-        self._setpoint, self._valid_for = setpoint, valid_for
-        return ACCEPTED
+            return "the motors are stopped"
+        grounded = self._footing.supported and self._mode != "flying"
+        return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
 
-    def _fly(self, setpoint: Setpoint) -> None:
-        """Let the controller follow a set-point that was accepted."""
+    def fly(self, setpoint: Setpoint) -> None:
+        """Let the controller follow a set-point."""
         if self._mode != "flying":
-            self.orders.end("ended by a command")
             self._enter("flying")
         controller = self._controller
-        self._expires = None if isinstance(setpoint, Hold) else self._time + self._valid_for
         if isinstance(setpoint, Hold):
             if not self._holding:
                 self._brake()
@@ -311,6 +284,7 @@ class SimVehicle(BaseVehicle):
             controller.turn(0.0)
             return
         self._holding = self._braking = False
+        controller.min_altitude = self._min_altitude
         if isinstance(setpoint, Velocity):
             controller.fly_at(setpoint.x, setpoint.y, setpoint.z, setpoint.frame == "heading")
             controller.turn(setpoint.yaw_rate)
@@ -364,9 +338,7 @@ class SimVehicle(BaseVehicle):
             return Answer(False, f"the lowest altitude {low:g} m is above the highest {high:g} m")
         for name, value in given.items():
             if name == "min_altitude":
-                self._min_altitude = value
-                if self._mode == "flying":
-                    self._controller.min_altitude = value
+                self._min_altitude = value  # it binds from the next set-point on
             else:
                 setattr(self._controller, name, value)
         return ACCEPTED
@@ -381,12 +353,7 @@ class SimVehicle(BaseVehicle):
 
     def plan(self) -> None:
         """Begin a mission period: decide on what it was told, and choose how to fly."""
-        setpoint, self._setpoint = self._setpoint, None
-        if setpoint is not None:
-            self._fly(setpoint)
-        elif self._expires is not None and self._time >= self._expires - _EPSILON:
-            self._fly(Hold())
-        self.decide()
+        self.begin_period()
         self._controller.plan(self._state)
         self._footing.plan(self._state)
 
@@ -410,7 +377,6 @@ class SimVehicle(BaseVehicle):
     def update(self, time: float) -> None:
         """End a mission period: what was reached, and what to do in the next."""
         self._time = time
-        self.orders.expire(time)
         self._led, self._leading = self._leading, None
         self._controller.acceleration = (0.0, 0.0, 0.0)
         self._battery.drain(self._thrust / STEPS, PERIOD)
@@ -419,7 +385,7 @@ class SimVehicle(BaseVehicle):
         self._footing.end_period(self._state, active)
         if active:
             self._update_mode()
-        self._observation = self._observed()
+        self.end_period(self._observed())
 
     def _update_mode(self) -> None:
         noise = self._noise.next()

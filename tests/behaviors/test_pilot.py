@@ -242,8 +242,9 @@ def test_an_unhandled_failure_lands() -> None:
 def test_a_refused_landing_is_asked_for_again_and_again() -> None:
     rig = Rig(mission("{after: {1 s: land}}"))
     rig.until_in("fly")
-    rig.vehicle.refusal = "not now"
+    rig.vehicle.refuse_next = "not now"
     rig.pilot.land_now()
+    rig.period()
     assert rig.pilot.landing and rig.pilot.landing.state == "refused"
     asked = rig.vehicle.verbs.count("land")
     rig.run(0.9)

@@ -21,10 +21,10 @@ def flown(mission: str, post: Mapping[int, str], saved: bool) -> list[Any]:
     trace: list[Any] = []
     with open_backend("sim", Options(world=prepared.world_word, seed=0)) as session:
         (vehicle,) = session.vehicles.values()
-        frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
+        session.wait()
+        frame = MissionFrame.at_start(vehicle.observe(), session.places, session.geographic)
         pilot = Pilot(prepared.graph, vehicle, frame=frame, seed=0)
         while not pilot.finished:
-            session.wait()
             if len(trace) in post:
                 pilot.instance.post(post[len(trace)])
             pilot.period()
@@ -35,6 +35,7 @@ def flown(mission: str, post: Mapping[int, str], saved: bool) -> list[Any]:
                 places, origin = session.places, session.geographic
                 graph = prepared.graph
                 pilot = resume_flight(graph, vehicle, known, places=places, geographic=origin)
+            session.wait()
     return trace
 
 
