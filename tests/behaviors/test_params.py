@@ -162,7 +162,8 @@ def test_a_behaviour_is_described() -> None:
 
 def test_all_shipped_behaviours_say_what_they_are_for() -> None:
     catalog = Registry()
-    assert list(catalog) == ["goto", "hover", "land", "move", "return_home", "route", "takeoff"]
+    names = ["goto", "hover", "land", "move", "reset", "return_home", "route", "takeoff", "trim"]
+    assert list(catalog) == names
     assert len(catalog) == 7
     for name, info in catalog.items():
         assert info.help, name
