@@ -164,7 +164,7 @@ def test_all_shipped_behaviours_say_what_they_are_for() -> None:
     catalog = Registry()
     names = ["goto", "hover", "land", "move", "reset", "return_home", "route", "takeoff", "trim"]
     assert list(catalog) == names
-    assert len(catalog) == 7
+    assert len(catalog) == 9
     for name, info in catalog.items():
         assert info.help, name
         for parameter in info.parameters.values():
