@@ -116,7 +116,7 @@ class _Reader:
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         for name in self.cameras:
-            if pilot.flight.camera(name).latest() is not None:
+            if pilot.channel.camera(name).latest() is not None:
                 self.frames += 1
 
 

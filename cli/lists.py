@@ -132,9 +132,9 @@ def _described(parameter: Parameter) -> str:
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def behaviors(name: str | None, as_json: bool) -> None:
     """List the behaviours that missions are composed of, or explain NAME."""
-    from behaviors import Catalog
+    from behaviors import Registry
 
-    catalog = Catalog()
+    catalog = Registry()
     if name is None:
         rows = [(key, _plain(catalog[key].help).partition("\n")[0]) for key in catalog]
         if as_json:

@@ -39,7 +39,7 @@ class _Snapshot:
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         self.view.show(pilot, records)
-        if pilot.flight.now >= MOMENT and not self.taken:
+        if pilot.channel.now >= MOMENT and not self.taken:
             self.taken = True
             self.console.print(self.view.picture(pilot, MOMENT / SPEED))
 

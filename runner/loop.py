@@ -14,13 +14,15 @@ from platform import python_version
 from typing import Any, Protocol, Self
 
 from behaviors import MissionFrame, Pilot
+from behaviors.host_functions import set_limits
 from fsm.engine.instance import Record
-from hal import Options, Session, open_backend
+from fsm.values.functions import EvaluationError
+from hal import Limits, Options, Session, open_backend
 from runner.pace import Pace
 from runner.preparation import Prepared
 from runner.recorder import Recorder
 from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
-from vencejo.errors import UserError
+from vencejo.errors import UserError, VehicleError, Where
 from vencejo.geometry import Point, distance
 from vencejo.version import __version__
 from worlds import World
@@ -48,6 +50,12 @@ class Plan:
     seed: int = 0
     settings: Mapping[str, object] = field(default_factory=dict)
     """What only that backend knows."""
+    address: str | None = None
+    """Where a real vehicle is reached."""
+    profile: str | None = None
+    """Limits of flight by a name that the vehicles know, as ``indoor``."""
+    limits: Limits = field(default_factory=Limits)
+    """Limits of flight that go over the profile's, altitudes above home."""
 
     def __post_init__(self) -> None:
         worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}
@@ -84,7 +92,7 @@ class Plan:
 class Watcher(Protocol):
     """Sees every period of every vehicle, in the order of the plan.
 
-    Looks through ``pilot.vehicle``: what is read through ``pilot.flight`` counts as read by the
+    Looks through ``pilot.vehicle``: what is read through ``pilot.channel`` counts as read by the
     mission and is recorded.
     """
 
@@ -104,19 +112,35 @@ class _Craft:
 
     pilot: Pilot
     start: float
-    """When the run began, seconds of the vehicle's clock."""
+    """When the run began, seconds of the session's clock."""
     distance: float = 0.0
     max_altitude: float = 0.0
+    failure: VehicleError | None = None
+    """Why it could not be brought down."""
     _last: Point | None = None
 
-    def tally(self) -> None:
-        """Count the period that the pilot has just flown."""
-        flight = self.pilot.flight
-        position = flight.world.position
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing left to do for it."""
+        return self.failure is not None or self.pilot.finished
+
+    def period(self, dt: float) -> None:
+        """Fly a mission period of ``dt`` seconds."""
+        try:
+            self.pilot.period(dt)
+        except VehicleError as error:
+            self.failure = error
+        channel = self.pilot.channel
+        position = channel.world.position
         if self._last is not None:
             self.distance += distance(self._last, position)
-        self.max_altitude = max(self.max_altitude, position.z - flight.frame.origin.z)
+        self.max_altitude = max(self.max_altitude, position.z - channel.frame.origin.z)
         self._last = position
+
+    def lose(self, error: VehicleError) -> None:
+        """Its backend has failed: order the landing all the same."""
+        self.failure = error
+        self.pilot.land_now(error.faults[0].message, "failed")
 
     def flown(self) -> Flown:
         pilot = self.pilot
@@ -124,10 +148,11 @@ class _Craft:
             outcome=pilot.outcome or "failed",
             reason=pilot.reason,
             output=pilot.instance.output,
-            mission_time=pilot.flight.now - self.start,
+            mission_time=pilot.channel.now - self.start,
             distance=self.distance,
             max_altitude=self.max_altitude,
-            battery=pilot.flight.observation.battery,
+            battery=pilot.channel.observation.battery,
+            failure=self.failure.faults[0].message if self.failure else "",
         )
 
 
@@ -180,58 +205,76 @@ def fly(
     stops: Stops | None = None,
 ) -> Summary:
     """Fly a plan to its end: all vehicles in lockstep, each until its mission has ended and it is
-    down.
+    down, or cannot be brought down.
 
     ``record`` makes the recorder once nothing can keep the flight from starting any more.
     ``stops`` asks every mission to stop, then lands every vehicle.
-    Raises VehicleError when the backend or a vehicle fails, UserError when a vehicle cannot fly
-    this, or, after all have landed, when the flight could not be recorded.
+    Raises VehicleError when a vehicle cannot be had, UserError when one cannot fly this, or, after
+    all have landed, when the flight could not be recorded. What fails later is in the summary.
     """
     pace, stops = pace or Pace(None), stops or _Never()
     options = Options(
         vehicles=tuple(plan.assignments),
         world=plan.world_word,
         seed=plan.seed,
+        address=plan.address,
         settings=plan.settings,
     )
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
-        crafts = [_craft(plan, session, name) for name in session.vehicles]
+        dt = session.wait()
+        crafts = [_craft(plan, session, name, dt) for name in session.vehicles]
         header = _header(plan, session.engine)
         log, answered, aloft = _Log(record() if record else None), 0, crafts
         stack.callback(log.close)
         log.begin(header, crafts)
         began = time.perf_counter()
         while aloft:
-            session.wait()
             if stops.count > answered:
                 answered = stops.count
                 _stop(aloft, at_once=answered > 1)
             for craft in aloft:
-                craft.pilot.period()
-            for craft in aloft:
-                records = log.take(craft.pilot)
-                craft.tally()
-                for watcher in watchers:
-                    watcher.show(craft.pilot, records)
+                craft.period(dt)
+            _show(aloft, log, watchers)
             if log.failure is not None:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
                 _stop(aloft, at_once=True)
             if pace.factor is not None:
-                pace.wait(aloft[0].pilot.flight.now, partial(_asked_more, stops, answered))
-            aloft = [craft for craft in aloft if not craft.pilot.finished]
+                pace.wait(aloft[0].pilot.channel.now, partial(_asked_more, stops, answered))
+            aloft = [craft for craft in aloft if not craft.over]
+            if aloft:
+                try:
+                    dt = session.wait()
+                except VehicleError as error:
+                    for craft in aloft:
+                        craft.lose(error)
+                    _show(aloft, log, watchers)
+                    break
         log.end()
         wall_time = time.perf_counter() - began
         flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
         return Summary(header, flown, wall_time, answered > 0, versions())
 
 
-def _craft(plan: Plan, session: Session, name: str) -> _Craft:
-    """A vehicle with its mission, about to begin."""
+def _show(crafts: Iterable[_Craft], log: _Log, watchers: Iterable[Watcher]) -> None:
+    """Write down and show what the vehicles have just done."""
+    for craft in crafts:
+        records = log.take(craft.pilot)
+        for watcher in watchers:
+            watcher.show(craft.pilot, records)
+
+
+def _craft(plan: Plan, session: Session, name: str, dt: float) -> _Craft:
+    """A vehicle with its mission, about to begin with a period of ``dt`` seconds."""
     vehicle, assignment = session.vehicles[name], plan.assignments[name]
     seen = vehicle.observe()
-    frame = MissionFrame(seen.position, session.places, session.geographic)
+    frame = MissionFrame.at_start(seen, session.places, session.geographic)
     graph, parameters = assignment.prepared.graph, assignment.parameters
-    return _Craft(Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed), seen.time)
+    pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed)
+    try:
+        set_limits(pilot.channel, plan.profile, **plan.limits.given())
+    except EvaluationError as error:
+        raise UserError("bad-limit", f"'{name}': {error}", Where("--limit")) from None
+    return _Craft(pilot, seen.time - dt)
 
 
 def _stop(crafts: Iterable[_Craft], *, at_once: bool) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from behaviors import drone_vocabulary, load_all, trusted
-from behaviors.catalog import Own
+from behaviors.registry import Own
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
 from fsm.fleet import check_fleet, read_fleet

@@ -100,7 +100,7 @@ class Recorder:
     def follow(self, pilot: Pilot) -> None:
         """Keep what the behaviours of this pilot will look at."""
         if self._frames is not None:
-            pilot.flight.looked = partial(self._look, pilot.vehicle.name)
+            pilot.channel.looked = partial(self._look, pilot.vehicle.name)
 
     def _look(self, vehicle: str, camera: str, frame: Frame) -> None:
         # Written after the period: a full disk is no failure of the behaviour that looked.
@@ -109,7 +109,7 @@ class Recorder:
     def take(self, pilot: Pilot) -> list[Record]:
         """Write one period of a pilot: its records, now empty, and a row of telemetry."""
         records = pilot.instance.records
-        seen = pilot.flight.world
+        seen = pilot.channel.world
         vehicle = pilot.vehicle.name
         if records:
             pilot.instance.records = []

@@ -28,7 +28,7 @@ TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
 _ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
 ALONE = "drone"
 """The name of a vehicle that flies alone: its run's header and summary need not name it."""
-SUCCESS, OTHER_OUTCOME, INTERRUPTED = 0, 1, 130
+SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, INTERRUPTED = 0, 1, 3, 130
 """Exit codes of runs that have flown."""
 Line = TypeVar("Line")
 Read = TypeVar("Read")
@@ -130,6 +130,8 @@ class Flown:
     """Above home, metres."""
     battery: float
     """Charge left, 0 to 1."""
+    failure: str = ""
+    """What became of a vehicle that could not be brought down; empty when it was."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,11 @@ class Summary:
 
     @property
     def exit_code(self) -> int:
-        """0 when every mission ended in ``done``, 130 when interrupted, else 1."""
+        """0 when every mission ended in ``done``, 3 when a vehicle or its link failed, 130 when
+        interrupted, else 1.
+        """
+        if any(flown.failure for flown in self.vehicles.values()):
+            return VEHICLE_FAILED
         if self.interrupted:
             return INTERRUPTED
         done = all(flown.outcome == "done" for flown in self.vehicles.values())
@@ -306,9 +312,10 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
 
 
 _SUMMARY_ORDER = (
-    *("mission", "outcome", "success", "reason", "output", "exit_code", "mission_time_s"),
-    *("wall_time_s", "realtime_factor", "distance_m", "max_altitude_m", "battery_left"),
-    *("vehicles", "world", "parameters", "seed", "backend", "engine", "versions", "run_folder"),
+    *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
+    *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
+    *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
+    *("versions", "run_folder"),
 )
 """For people: how it ended comes first."""
 
@@ -322,6 +329,7 @@ def _flown_fields(flown: Flown) -> dict[str, Any]:
         "distance_m": round(flown.distance, 2),
         "max_altitude_m": round(flown.max_altitude, 2),
         "battery_left": round(flown.battery, 4),
+        **({"failure": flown.failure} if flown.failure else {}),
     }
 
 
@@ -540,4 +548,5 @@ def _flown_of(fields: Mapping[str, Any]) -> Flown:
         distance=fields["distance_m"],
         max_altitude=fields["max_altitude_m"],
         battery=fields["battery_left"],
+        failure=fields.get("failure", ""),
     )

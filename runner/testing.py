@@ -58,10 +58,10 @@ class _Watch:
         self.post = sorted(post.items())
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
-        now = pilot.flight.now
+        now = pilot.channel.now
         while self.post and self.post[0][0] <= now:
             pilot.instance.post(self.post.pop(0)[1])
-        self.flight.track.append((now, pilot.flight.observation.position))
+        self.flight.track.append((now, pilot.channel.observation.position))
         for kind, fields in records:
             self.flight.records.append((now, kind, fields))
             if kind == "enter" and not pilot.instance.graph.by_path[fields["state"]].children:

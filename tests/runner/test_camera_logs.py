@@ -25,7 +25,7 @@ class _Reader:
         self._periods += 1
         if self._periods % 40 == 0:
             for name in ("front", "ventral"):
-                self.frames += pilot.flight.camera(name).latest() is not None
+                self.frames += pilot.channel.camera(name).latest() is not None
 
 
 def log(folder: Path, read: bool, **settings: object) -> bytes:

@@ -109,7 +109,7 @@ def test_a_flight_that_cannot_be_recorded_any_more_lands_first(
             seen.append((here.time, here.flying))
 
     def full_after_3_s(self: Recorder, pilot: Pilot) -> list[Record]:
-        if pilot.flight.now > 3:
+        if pilot.channel.now > 3:
             raise UserError("cannot-record", "no room")
         return taken(self, pilot)
 

@@ -67,7 +67,7 @@ class Witness:
         self._times = times
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
-        seen = pilot.flight.world
+        seen = pilot.channel.world
         self.shown.append((seen.time, pilot.vehicle.name, seen.position.z))
         self.kinds += [(pilot.vehicle.name, kind) for kind, _ in records]
         if self._stop_at is not None and seen.time >= self._stop_at:
@@ -162,7 +162,7 @@ def test_a_run_that_cannot_be_recorded_any_more_lands_all(
     taken, witness = Recorder.take, Witness()
 
     def full_for_the_mouse(self: Recorder, pilot: Pilot) -> list[Record]:
-        if pilot.vehicle.name == "mouse" and pilot.flight.now > 2.5:
+        if pilot.vehicle.name == "mouse" and pilot.channel.now > 2.5:
             raise UserError("cannot-record", "no room")
         return taken(self, pilot)
 

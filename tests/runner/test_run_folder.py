@@ -71,8 +71,8 @@ class Witness:
         self.seen: list[Observation] = []
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
-        self.seen.append(pilot.flight.world)
-        self.records += [(pilot.flight.now, kind, fields) for kind, fields in records]
+        self.seen.append(pilot.channel.world)
+        self.records += [(pilot.channel.now, kind, fields) for kind, fields in records]
 
 
 @pytest.fixture(scope="module")
@@ -299,6 +299,7 @@ ATTITUDES = st.builds(
 )
 OBSERVATIONS = st.builds(
     Observation,
+    events=st.just(()),
     time=st.integers(0, 10**6).map(lambda period: period / 40),
     position=POINTS,
     velocity=POINTS,
@@ -333,7 +334,7 @@ def pilot_of(vehicle: str, seen: Observation, records: list[Record], states: lis
         Pilot,
         SimpleNamespace(
             vehicle=SimpleNamespace(name=vehicle),
-            flight=SimpleNamespace(world=seen),
+            channel=SimpleNamespace(world=seen),
             instance=SimpleNamespace(records=records, paths=lambda: states),
         ),
     )
@@ -417,7 +418,7 @@ def test_frames_come_back(data: st.DataObject) -> None:
             frame = Frame(image, number, number / 20, lens, *pose)
             pilot = pilot_of(ALONE, cast(Observation, None), [], [])
             recorder.follow(pilot)
-            pilot.flight.looked(camera, frame)
+            pilot.channel.looked(camera, frame)
             written.append((ALONE, camera, number, number / 20, *pose, lens))
         recorder.close()
         read = [

@@ -14,6 +14,7 @@ from typing import TypeGuard
 
 from behaviors.action import describe_action, is_action
 from behaviors.behavior import Behavior, describe
+from behaviors.host_functions import HOST_FUNCTIONS
 from fsm.host import BehaviorInfo, Function
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
@@ -22,7 +23,7 @@ from vencejo.nodes import Scalar
 GROUP = "vencejo.behaviors"
 
 
-class Catalog(Mapping[str, BehaviorInfo]):
+class Registry(Mapping[str, BehaviorInfo]):
     """Behaviours by name; one that is installed is imported when it is first asked for."""
 
     def __init__(self, own: Mapping[str, BehaviorInfo] | None = None) -> None:
@@ -63,7 +64,7 @@ def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
         seen.add(path)
         for info in _contents(scalar, path):
             what = "behaviour" if isinstance(info, BehaviorInfo) else "function"
-            if info.name in Catalog() or info.name in found:
+            if info.name in Registry() or info.name in HOST_FUNCTIONS or info.name in found:
                 raise UserError(
                     "name-taken",
                     f"'{scalar.text}' has a {what} '{info.name}', but there is one already",

@@ -1,4 +1,4 @@
-"""Behaviours that give the vehicle one order and wait: takeoff, land, return_home."""
+"""Behaviours that give the vehicle one order and wait: takeoff, land, return_home and others."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from behaviors.flight import Flight
 from fsm.host import Outcome
-from hal.vehicle import Order
+from hal.orders import Order
 
 EPSILON = 1e-9
 """Seconds that a sum of times may be off."""
@@ -29,13 +29,13 @@ class Waiting:
         return {"waited": self.waited}
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        """``done``, or ``failed`` with the vehicle's reason or because time is up."""
+        """``done``, or ``failed``: refused by the vehicle, lost on the way, or time is up."""
         order = self.order
         self.waited = flight.now - self.started
         if order.state == "done":
             return "done"
-        if order.state == "refused":
-            return Outcome("failed", {"reason": f"{order.verb} refused: {order.reason}"})
+        if order.ended:
+            return Outcome("failed", {"reason": f"{order.verb} {order.state}: {order.reason}"})
         if self.waited >= self.timeout - EPSILON:
             return Outcome("failed", {"reason": f"{order.verb} took too long"})
         return None
