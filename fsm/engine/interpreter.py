@@ -39,6 +39,9 @@ MAX_MICROSTEPS = 1000
 class Interpreter:
     """Runs a graph. Also the *model* of `transitions`: ``trigger``, ``is_active``, callbacks."""
 
+    _shared: Shared
+    """Held for as long as this lives; it also gives each graph's instances their class."""
+
     def __new__(cls, graph: Graph, *_: Any, **__: Any) -> Self:
         shared = shared_by(graph)
         instance: Self = super().__new__(shared.model_of(cls))
@@ -49,7 +52,6 @@ class Interpreter:
         self.graph = graph
         self.records: list[Record] = []
         """Everything that happened since the caller last replaced this list by an empty one."""
-        self._shared: Shared
         self._configurations = self._shared.configurations
         self._has_history = self._shared.has_history
         self._callback_data: EventData | None = None
