@@ -347,19 +347,19 @@ class Interpreter:
 
     def _open_entry(self, step: Step) -> Entry:
         """The states that a step with open transitions enters, looked up in the present history."""
-        states = set(step.entering)
+        entering = {node.index: node for node in step.entering}
         histories: list[Node] = []
         defaults: dict[int, list[Node]] = {}
         for edge in step.open:
             assert edge.domain is not None, "what leaves nothing enters nothing"
             found = entry_set(edge.domain, edge.targets, self._recorded)
-            states.update(found.states)
+            entering.update(found.entering)
             histories += found.histories
             for index, nodes in found.defaults.items():
                 defaults.setdefault(index, []).extend(nodes)
-        entering = tuple(sorted(states, key=lambda node: node.index))
-        mask = self.state.configuration.mask_after(step.leaving, entering)
-        return Entry(entering, mask, tuple(histories), defaults)
+        states = tuple(entering[index] for index in sorted(entering))
+        mask = self.state.configuration.mask_after(step.leaving, states)
+        return Entry(states, mask, tuple(histories), defaults)
 
     def _enter(self, node: Node, event: Event, entry: Entry) -> None:
         state, slots = self.state, self.slots
