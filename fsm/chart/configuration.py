@@ -26,9 +26,9 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Entry:
-    """The states that a microstep enters."""
+    """The states that a microstep enters. Nobody changes one; frozen ones take longer to make."""
 
     states: tuple[Node, ...]
     """Outer ones first."""

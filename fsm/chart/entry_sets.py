@@ -49,7 +49,7 @@ def entry_set(domain: Node, targets: Iterable[Node], recorded: Recorded) -> Entr
     return found
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Entering:
     """Collects an entry set."""
 

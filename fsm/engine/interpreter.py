@@ -41,6 +41,9 @@ MAX_MICROSTEPS = 1000
 class Interpreter:
     """Runs a graph. Also the *model* of `transitions`: ``trigger``, ``is_active``, callbacks."""
 
+    _shared: Shared
+    """Held for as long as this lives; it also gives each graph's instances their class."""
+
     def __new__(cls, graph: Graph, *_: Any, **__: Any) -> Self:
         shared = shared_by(graph)
         instance: Self = super().__new__(shared.model_of(cls))
@@ -54,7 +57,6 @@ class Interpreter:
         self.host = host
         self.records: list[Record] = []
         """Everything that happened since the caller last replaced this list by an empty one."""
-        self._shared: Shared
         self._configurations = self._shared.configurations
         self._has_history = self._shared.has_history
         self._callback_data: EventData | None = None
@@ -367,19 +369,19 @@ class Interpreter:
 
     def _open_entry(self, step: Step) -> Entry:
         """The states that a step with open transitions enters, looked up in the present history."""
-        states = set(step.entering)
+        entering = {node.index: node for node in step.entering}
         histories: list[Node] = []
         defaults: dict[int, list[Node]] = {}
         for edge in step.open:
             assert edge.domain is not None, "what leaves nothing enters nothing"
             found = entry_set(edge.domain, edge.targets, self._recorded)
-            states.update(found.states)
+            entering.update(found.entering)
             histories += found.histories
             for index, nodes in found.defaults.items():
                 defaults.setdefault(index, []).extend(nodes)
-        entering = tuple(sorted(states, key=lambda node: node.index))
-        mask = self.state.configuration.mask_after(step.leaving, entering)
-        return Entry(entering, mask, tuple(histories), defaults)
+        states = tuple(entering[index] for index in sorted(entering))
+        mask = self.state.configuration.mask_after(step.leaving, states)
+        return Entry(states, mask, tuple(histories), defaults)
 
     def _enter(self, node: Node, event: Event, entry: Entry) -> None:
         state, slots = self.state, self.slots
