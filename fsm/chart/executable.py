@@ -64,7 +64,7 @@ Run = Callable[[Runtime, EventFields], None]
 """An action at work. Raises one of :data:`fsm.values.functions.FAILURES` when it fails."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Action:
     """One step of an action block, ready to run."""
 
@@ -75,7 +75,7 @@ class Action:
     """The value behind its word in the file, to show it."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Data:
     """A variable of a state."""
 
@@ -85,7 +85,7 @@ class Data:
     initial: Compiled
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Invocation:
     """The ``do`` of a state."""
 
@@ -96,7 +96,7 @@ class Invocation:
     """The slot of its published values; -1 when it publishes nothing."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Given:
     """A parameter of an included graph, filled whenever that is entered."""
 

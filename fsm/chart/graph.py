@@ -111,7 +111,7 @@ class Edge(Frozen, Transition):
         return "transition", {**step, "name": self.label} if self.label else step
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class When:
     """A condition with its alternatives."""
 
@@ -119,7 +119,7 @@ class When:
     edges: tuple[Edge, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class After:
     """A duration with its alternatives."""
 

@@ -38,7 +38,7 @@ def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
     return name.text, tuple(key.text for key, _ in body) if isinstance(body, MapNode) else ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Environment:
     """The names that the actions of a state can use."""
 
