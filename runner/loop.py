@@ -194,6 +194,7 @@ def fly(
         seed=plan.seed,
         settings=plan.settings,
     )
+    known = versions()  # before the engine takes its memory: later it would be slower to get again
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
         crafts = [_craft(plan, session, name) for name in session.vehicles]
         header = _header(plan, session.engine)
@@ -222,7 +223,7 @@ def fly(
         log.end()
         wall_time = time.perf_counter() - began
         flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
-        return Summary(header, flown, wall_time, answered > 0, versions())
+        return Summary(header, flown, wall_time, answered > 0, known)
 
 
 def _craft(plan: Plan, session: Session, name: str) -> _Craft:
