@@ -220,6 +220,7 @@ def fly(
         address=plan.address,
         settings=plan.settings,
     )
+    known = versions()  # before the engine takes its memory: later it would be slower to get again
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
         dt = session.wait()
         crafts = [_craft(plan, session, name, dt) for name in session.vehicles]
@@ -252,7 +253,7 @@ def fly(
         log.end()
         wall_time = time.perf_counter() - began
         flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
-        return Summary(header, flown, wall_time, answered > 0, versions())
+        return Summary(header, flown, wall_time, answered > 0, known)
 
 
 def _show(crafts: Iterable[_Craft], log: _Log, watchers: Iterable[Watcher]) -> None:
