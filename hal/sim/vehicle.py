@@ -107,9 +107,9 @@ class SimVehicle(BaseVehicle):
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
-        self._lights = Lights()
-        self._lit_at = 0.0
-        """Since when the lamps show that."""
+        self._lights = self._lights_before = Lights()
+        self._lit_at = self._lit_before_at = 0.0
+        """Since when the lamps show that, and what they showed before, session's clock."""
         self._holding = False
         """Hold is the command in force."""
         self._braking = False
@@ -156,6 +156,8 @@ class SimVehicle(BaseVehicle):
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
         """What its four lamps show at a time of the session's clock (see :mod:`hal.lights`)."""
+        if time < self._lit_at:
+            return self._lights_before.lamps(time - self._lit_before_at)
         return self._lights.lamps(time - self._lit_at)
 
     def _position(self) -> Point:
@@ -250,6 +252,7 @@ class SimVehicle(BaseVehicle):
         return DONE if idle else refused("the motors are running")
 
     def _decide_lights(self, lights: Lights) -> Decision:
+        self._lights_before, self._lit_before_at = self._lights, self._lit_at
         self._lights, self._lit_at = lights, self._time
         return DONE
 
