@@ -203,7 +203,7 @@ class SimVehicle(BaseVehicle):
             return refused(f"there is no altitude of {altitude:g} m")
         if ground + altitude > self._controller.max_altitude:
             limit = self._controller.max_altitude
-            return refused(f"{ground + altitude:g} m is above the limit of {limit:g} m")
+            return refused(f"{round(ground + altitude, 2):g} m is above the limit of {limit:g} m")
         self._armed = True
         self._braking = False
         self._target = ground + altitude
