@@ -2,8 +2,8 @@
 
 from behaviors.action import action
 from behaviors.behavior import Behavior, describe
-from behaviors.catalog import Catalog, load_all
-from behaviors.flight import Flight, MissionFrame
+from behaviors.flight import Flight, NotInControl
+from behaviors.frame import MissionFrame
 from behaviors.params import (
     Area,
     BehaviorParams,
@@ -16,6 +16,7 @@ from behaviors.params import (
     value,
 )
 from behaviors.pilot import Pilot
+from behaviors.registry import Registry, load_all
 from behaviors.trust import trusted
 from behaviors.vocabulary import drone_vocabulary
 from behaviors.watch import Thresholds
@@ -26,14 +27,15 @@ __all__ = [
     "Area",
     "Behavior",
     "BehaviorParams",
-    "Catalog",
     "Face",
     "Flight",
     "Heading",
     "MissionFrame",
+    "NotInControl",
     "Outcome",
     "Pilot",
     "Point",
+    "Registry",
     "Route",
     "Thresholds",
     "Waypoint",

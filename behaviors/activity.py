@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from behaviors.behavior import Behavior
+from behaviors.channel import Channel
 from behaviors.flight import Flight
-from fsm.host import Behavior as BehaviorInfo
-from fsm.host import Outcome
+from fsm.host import BehaviorInfo, Outcome
 from fsm.values.functions import EvaluationError
 from hal.vehicle import Observation
 
@@ -25,7 +25,7 @@ class DroneActivity:
         info: BehaviorInfo,
         values: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
-        flight: Flight,
+        channel: Channel,
         post: Post,
         start: Observation | None = None,
     ) -> None:
@@ -33,9 +33,10 @@ class DroneActivity:
         self.info = info
         self.published: Any = info.blank
         self.failure: Outcome | None = None
-        self._flight = flight
+        self._channel = channel
+        self._flight = Flight(channel, info.controls, self._raise, self._publish)
         self._post = post
-        self._start = start or flight.observation
+        self._start = start or channel.observation
         self._behavior: Behavior | None = None
         self._stopped = False
         given = self._given = {name: p.default for name, p in info.parameters.items()}
@@ -46,19 +47,18 @@ class DroneActivity:
             return
         try:
             self._behavior = info.implementation(info.implementation.Params(**self._resolve(given)))
-            self._attach()
-            self._behavior.start(flight, progress)
+            self._behavior.start(self._flight, progress)
         except Exception as error:
             self.failure = _failed(story(error))
 
     @classmethod
     def resumed(
-        cls, info: BehaviorInfo, saved: Mapping[str, Any], flight: Flight, post: Post
+        cls, info: BehaviorInfo, saved: Mapping[str, Any], channel: Channel, post: Post
     ) -> DroneActivity:
         """One that goes on where another had come to; relative points stay where they were."""
         position, yaw = saved["start"]
-        start = flight.observation._replace(position=position, yaw=yaw)
-        activity = cls(info, saved["with"], saved["progress"], flight, post, start)
+        start = channel.observation._replace(position=position, yaw=yaw)
+        activity = cls(info, saved["with"], saved["progress"], channel, post, start)
         activity.published = saved["published"]
         return activity
 
@@ -72,17 +72,13 @@ class DroneActivity:
         }
 
     def _resolve(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        frame, parameters = self._flight.frame, self.info.parameters
+        frame, parameters = self._channel.frame, self.info.parameters
         return {
             name: frame.resolve(parameters[name].type, value, self._start)
             for name, value in values.items()
         }
 
-    def _attach(self) -> None:
-        self._flight.raise_event = self._raise
-        self._flight.publish = self._publish
-
-    def _raise(self, name: str, record: Any = None) -> None:
+    def _raise(self, name: str, record: Any) -> None:
         if name not in self.info.events:
             raise ValueError(f"{self.info.name} declares no event '{name}'")
         self._post(name, _as_fields(record))
@@ -94,7 +90,6 @@ class DroneActivity:
         if self.failure is not None or self._behavior is None:
             return self.failure
         try:
-            self._attach()
             for name, value in self._resolve(live).items() if live else ():
                 # What has no value just now, like the place of something unseen, stays as it was.
                 if value is not None:
@@ -122,7 +117,7 @@ class DroneActivity:
     def stop(self) -> None:
         if self._behavior is None or self._stopped:
             return
-        self._stopped = True
+        self._stopped = self._flight.stopping = True
         try:
             self._behavior.stop(self._flight)
         except Exception as error:

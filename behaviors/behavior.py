@@ -8,8 +8,7 @@ from inspect import getdoc
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from behaviors.params import BehaviorParams, fields_of, parameters_of
-from fsm.host import Behavior as BehaviorInfo
-from fsm.host import Outcome
+from fsm.host import BehaviorInfo, Outcome
 
 if TYPE_CHECKING:
     from behaviors.flight import Flight

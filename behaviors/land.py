@@ -7,7 +7,7 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.orders import Waiting
+from behaviors.manoeuvre import Waiting
 from behaviors.params import BehaviorParams, param
 from fsm.host import Outcome
 

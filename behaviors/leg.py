@@ -9,7 +9,7 @@ from typing import Any
 
 from behaviors.flight import Flight
 from behaviors.guidance import NEARBY, Reference, yaw_towards
-from behaviors.orders import EPSILON
+from behaviors.manoeuvre import EPSILON
 from behaviors.params import Heading, value
 from fsm.host import Outcome
 from hal.vehicle import Position

@@ -3,7 +3,7 @@
 It joins what fsm and hal each leave open: observes, posts urgent events, lets the graph take its
 period, and commands the vehicle. Authority is in this order: the operator and safety (a landing
 past the mission), then the mission; where nobody commands, the vehicle holds its place. When the
-mission ends, in whatever way, the vehicle is landed.
+mission ends, in whatever way, the vehicle is landed; whatever becomes of the link, that is ordered.
 """
 
 from __future__ import annotations
@@ -13,14 +13,19 @@ from math import inf
 from typing import Any
 
 from behaviors.activity import DroneActivity, story
-from behaviors.flight import Flight, MissionFrame
+from behaviors.channel import Channel
+from behaviors.frame import MissionFrame
+from behaviors.host_functions import HOST_FUNCTIONS
 from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
 from fsm.chart.graph import Graph
 from fsm.engine.instance import Instance
-from fsm.host import Behavior
+from fsm.engine.saving import TORN, load, save
+from fsm.host import BehaviorInfo
 from fsm.values.functions import EvaluationError
-from hal.vehicle import Hold, Order, Position, Setpoint, Vehicle
+from fsm.values.packing import pack, unpack
+from hal.orders import Order
+from hal.vehicle import PERIOD, Hold, Observation, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point, distance
 from vencejo.seeds import generator
@@ -28,12 +33,16 @@ from vencejo.seeds import generator
 HOLD_BEFORE_LANDING = 1.0
 """Seconds the vehicle comes to rest for, when a mission ends in the air."""
 LANDING_TIMEOUT = 300.0
-"""Seconds (vehicle's clock) within which any landing must have ended."""
+"""Seconds within which any landing must have ended, while the vehicle is heard."""
+SILENCE_TIMEOUT = 600.0
+"""Seconds for which a landing is ordered again and again while nothing is heard."""
 LANDING_RETRY = 1.0
-"""Seconds after which a refused landing is asked for again."""
+"""Seconds after which a landing that was refused or lost is asked for again."""
 STAY_WITHIN = 1.0
 """Metres within which a place that was commanded is held, rather than where the vehicle stops."""
 STILL = Point(0.0, 0.0, 0.0)
+SAVED = {"origin", "watch", "rng", "last", "outcome", "reason", "ended_for", "landing"}
+"""What a saved flight holds besides its instance."""
 
 
 class Pilot:
@@ -49,10 +58,11 @@ class Pilot:
         seed: int = 0,
         thresholds: Thresholds | None = None,
     ) -> None:
+        """The vehicle has been observed once: its session has waited."""
         self.vehicle = vehicle
-        self.flight = Flight(
+        self.channel = Channel(
             vehicle,
-            frame or MissionFrame(vehicle.observe().position),
+            frame or MissionFrame.at_start(vehicle.observe()),
             generator(seed, vehicle.name, "behaviours"),
         )
         self.instance = Instance(graph, self, parameters)
@@ -62,8 +72,13 @@ class Pilot:
         """Why the mission was ended from outside; empty when it ended by itself."""
         self.outcome: str | None = None
         self._watch = Watch(thresholds or Thresholds())
-        self._ended_at: float | None = None
+        self._ended_for = 0.0
+        """Seconds since the mission ended in the air, without those in which others flew."""
         self._landing_asked = -inf
+        self._noted = "alive", "mission"
+        """Link and authority as they were recorded last."""
+        self._refusal = ""
+        """Why the vehicle refused the last set-point of a behaviour."""
         self._last: Setpoint = Hold()
         """What was commanded last, mission frame."""
         self._require(graph)
@@ -84,24 +99,28 @@ class Pilot:
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
     ) -> DroneActivity:
         """Start a behaviour for a state (see fsm.Host)."""
         if "motion" in behavior.controls:
-            self.flight.order = None
-        return DroneActivity(behavior, parameters, progress, self.flight, self.instance.post)
+            self.channel.order = None
+        return DroneActivity(behavior, parameters, progress, self.channel, self.instance.post)
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> DroneActivity:
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> DroneActivity:
         """Go on with a behaviour of a saved run (see fsm.Host)."""
         if "motion" in behavior.controls:
-            self.flight.order = None
-        return DroneActivity.resumed(behavior, saved, self.flight, self.instance.post)
+            self.channel.order = None
+        return DroneActivity.resumed(behavior, saved, self.channel, self.instance.post)
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered function (see fsm.Host)."""
+        if name in HOST_FUNCTIONS:
+            _, run = HOST_FUNCTIONS[name]
+            run(self.channel, **arguments)
+            return
         try:
             self.instance.graph.vocabulary.functions[name].implementation(**arguments)
         except Exception as error:
@@ -118,30 +137,55 @@ class Pilot:
         """Whether the mission has ended and the vehicle is down."""
         return self.outcome is not None and self._is_down()
 
-    def period(self) -> None:
-        """One mission period. Raises VehicleError when the vehicle cannot be brought down."""
-        seen = self.flight.observe()
+    def period(self, dt: float = PERIOD) -> None:
+        """One mission period, which came ``dt`` seconds after the last one.
+
+        Raises VehicleError when the vehicle cannot be brought down, or its link is gone.
+        """
+        seen = self.channel.observe(dt)
+        self._note(seen)
         if self.outcome is None:
-            for name, fields in self._watch.events(seen):
+            for name, fields in self._watch.events(seen, dt):
+                if name == "vehicle.late":
+                    self.instance.record("late", **fields)
                 self.instance.post(name, fields)
             self.instance.period(seen.time, (VehicleView(seen),))
             self._react()
             if self.instance.ended:
                 self._end(self.instance.outcome or "failed")
+        if seen.link == "gone" and self.landing is None:
+            self.land_now("the link to the vehicle is gone", "failed")
         if self.outcome is not None:
-            self._bring_down()
+            self._bring_down(dt)
         elif self.landing is None:
             self._command()
+
+    def _note(self, seen: Observation) -> None:
+        """Record a jump of the world frame, and changes of link and authority."""
+        jump = self.channel.jump
+        if jump is not None:
+            self.instance.record("jump", epoch=jump.epoch, offset=list(jump.offset))
+        if self._noted == (seen.link, seen.authority):
+            return
+        link, authority = self._noted
+        self._noted = seen.link, seen.authority
+        if seen.link != link:
+            self.instance.record("link", link=seen.link, age=round(seen.link_age, 3))
+        if seen.authority != authority:
+            reason = seen.authority_reason or None
+            self.instance.record("authority", authority=seen.authority, reason=reason)
 
     def abort(self) -> None:
         """The operator asks to stop: ``operator.abort``, whose default is to land."""
         self.instance.post("operator.abort")
 
-    def land_now(self, reason: str = "the operator asked to land") -> None:
-        """Land at once, past the mission."""
+    def land_now(
+        self, reason: str = "the operator asked to land", outcome: str = "aborted"
+    ) -> None:
+        """Land at once, past the mission, which ends in ``outcome``."""
         if self.outcome is None:
             self.reason = reason
-            self._end("aborted")
+            self._end(outcome)
         if self.landing is None and not self._is_down():
             self._land()
 
@@ -168,53 +212,62 @@ class Pilot:
     def _end(self, outcome: str) -> None:
         self.outcome = outcome
         self.instance.stop(outcome)
-        self._ended_at = self.flight.now
         self.instance.record("outcome", outcome=outcome, reason=self.reason or None)
 
     def _is_down(self) -> bool:
-        seen = self.flight.observation
+        seen = self.channel.observation
         return not seen.flying and not seen.armed
 
-    def _bring_down(self) -> None:
-        if self._is_down():
+    def _bring_down(self, dt: float) -> None:
+        """Hold, then land, and ask again for what is refused or lost on the way."""
+        seen, landing = self.channel.observation, self.landing
+        if self._is_down() or seen.authority in ("operator", "autopilot"):
+            # Whoever else flies it is not disturbed: orders of ours would end a failsafe.
             return
-        assert self._ended_at is not None
-        waited = self.flight.now - self._ended_at
-        if waited > LANDING_TIMEOUT:
+        if seen.link == "gone" and landing is not None and landing.ended:
             raise VehicleError(
-                "cannot-land", f"the vehicle did not land within {LANDING_TIMEOUT:.0f} s"
+                "link-gone",
+                f"the link to '{self.vehicle.name}' is gone; a landing was ordered, and the "
+                "vehicle is left to its own failsafe",
             )
-        if self.landing is None and waited < HOLD_BEFORE_LANDING and self.flight.observation.flying:
+        timeout = SILENCE_TIMEOUT if seen.link in ("lost", "gone") else LANDING_TIMEOUT
+        if self._ended_for > timeout:
+            raise VehicleError("cannot-land", f"the vehicle did not land within {timeout:.0f} s")
+        if landing is None and self._ended_for < HOLD_BEFORE_LANDING and seen.flying:
             self.vehicle.command(Hold())
-        elif self.landing is None or (self.landing.state == "refused" and self._may_ask_again()):
+        elif landing is None or (landing.state in ("refused", "lost") and self._may_ask_again()):
             self._land()
+        self._ended_for += dt
 
     def _land(self) -> None:
         self.instance.record("landing", by="host")
-        self._landing_asked = self.flight.now
+        self._landing_asked = self.channel.now
         self.landing = self.vehicle.land()
 
     def _may_ask_again(self) -> bool:
-        return self.flight.now - self._landing_asked >= LANDING_RETRY
+        return self.channel.now - self._landing_asked >= LANDING_RETRY
 
     def _command(self) -> None:
         """The set-point of the behaviour in control; without one, hold: nothing stays latched."""
-        flight = self.flight
-        if flight.setpoint is not None:
-            self._last = flight.setpoint
+        channel = self.channel
+        if channel.setpoint is not None:
+            self._last = channel.setpoint
+            reason = channel.send().reason
+            if reason and reason != self._refusal:
+                self.instance.record("refused", setpoint=type(self._last).__name__, reason=reason)
+            self._refusal = reason
         elif self._manoeuvres():
             self._last = Hold()
-            return
         else:
-            flight.setpoint = self._last = self._stay(self._last)
-        flight.send()
+            channel.setpoint = self._last = self._stay(self._last)
+            channel.send()
 
     def _manoeuvres(self) -> bool:
         """Whether the vehicle flies by itself: on the order of a behaviour, or because it has
         carried one out, and so holds its place or stands on the ground.
         """
-        order = self.flight.order
-        if order is None or order.state == "refused":
+        order = self.channel.order
+        if order is None or order.state in ("refused", "lost"):
             return False
         return order.state == "done" or self.instance.is_controlled("motion")
 
@@ -225,6 +278,72 @@ class Pilot:
         """
         if not isinstance(setpoint, Position) or (setpoint.velocity or STILL) != STILL:
             return Hold()
-        if distance(setpoint.xyz, self.flight.observation.position) > STAY_WITHIN:
+        if distance(setpoint.xyz, self.channel.observation.position) > STAY_WITHIN:
             return Hold()
         return setpoint._replace(yaw_rate=None)
+
+
+def save_flight(pilot: Pilot) -> dict[str, Any]:
+    """A flight at the end of a period, as JSON holds it; the vehicle itself is not in it.
+
+    Raises UserError (see fsm.engine.saving.save).
+    """
+    last = pilot._last
+    return {
+        **save(pilot.instance),
+        "pilot": {
+            "origin": pack(pilot.channel.frame.origin),
+            "watch": pilot._watch.progress(),
+            "rng": pack(pilot.channel.rng.getstate()),
+            "last": pack([*last]) if isinstance(last, Position) else None,
+            "outcome": pilot.outcome,
+            "reason": pilot.reason,
+            "ended_for": pilot._ended_for,
+            "landing": pilot._landing_asked if pilot.landing else None,
+        },
+    }
+
+
+def resume_flight(
+    graph: Graph,
+    vehicle: Vehicle,
+    saved: Mapping[str, Any],
+    *,
+    places: Mapping[str, Point] | None = None,
+    geographic: tuple[float, float, float] | None = None,
+    thresholds: Thresholds | None = None,
+) -> Pilot:
+    """A pilot that goes on with a saved flight.
+
+    Raises UserError (see fsm.engine.saving.restore).
+    """
+    known = saved.get("pilot")
+    if not isinstance(known, Mapping) or known.keys() != SAVED:
+        raise _torn()
+    try:
+        frame = MissionFrame(unpack(known["origin"]), places, geographic)
+        pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
+        _go_on(pilot, known)
+    except TORN:
+        raise _torn() from None
+    load(pilot.instance, saved)
+    if known["landing"] is not None:
+        # The vehicle is at it already: this gives the order back.
+        pilot.landing = vehicle.land()
+    return pilot
+
+
+def _go_on(pilot: Pilot, known: Mapping[str, Any]) -> None:
+    pilot._watch.go_on(known["watch"])
+    pilot.channel.rng.setstate(unpack(known["rng"]))
+    if known["last"] is not None:
+        pilot._last = Position(*unpack(known["last"]))
+    pilot.outcome, pilot.reason = known["outcome"], known["reason"]
+    pilot._ended_for = known["ended_for"]
+    if known["landing"] is not None:
+        pilot._landing_asked = float(known["landing"])
+
+
+def _torn() -> UserError:
+    hint = "name a file of a flight, or start the mission anew"
+    return UserError("torn-save", "this is no whole saved flight", hint=hint)

@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from behaviors.behavior import snake_case
-from behaviors.catalog import Own, path_of
-from fsm.host import Behavior as BehaviorInfo
-from fsm.host import Function
+from behaviors.registry import Own, path_of
+from fsm.host import BehaviorInfo, Function
 from vencejo.errors import Fault, UserError
 from vencejo.nodes import MAX_BYTES, Scalar
 

@@ -5,14 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from behaviors.catalog import Catalog
-from fsm.host import Behavior, Function, Reaction, Vocabulary
+from behaviors.host_functions import HOST_FUNCTIONS
+from behaviors.registry import Registry
+from fsm.host import BehaviorInfo, Function, Reaction, Vocabulary
 from fsm.values.types import BOOL, POINT, TEXT, MapOf, Number, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point
 from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME
 
-URGENT = ("operator.*", "battery.*", "link.*", "position.lost", "geofence.breach")
+URGENT = (
+    "operator.*",
+    "battery.*",
+    "link.*",
+    "position.lost",
+    "geofence.breach",
+    "autopilot.failsafe",
+)
 MUST_LAND = (
     "operator.abort",
     "battery.critical",
@@ -33,6 +41,8 @@ EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
         "position.lost": {},
         "position.restored": {},
         "geofence.breach": {},
+        "autopilot.failsafe": {"reason": TEXT},
+        "vehicle.late": {"step": Number(TIME)},
         "vehicle.collision": {"thing": TEXT},
     }
 )
@@ -95,6 +105,10 @@ class VehicleView:
         return self._seen.mode
 
     @property
+    def authority(self) -> str:
+        return self._seen.authority
+
+    @property
     def home(self) -> Point:
         return self._seen.home
 
@@ -110,13 +124,14 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
         "armed": BOOL,
         "flying": BOOL,
         "mode": TEXT,
+        "authority": TEXT,
         "home": POINT,
     }
 )
 
 
 def drone_vocabulary(
-    own: Mapping[str, Behavior | Function] | None = None,
+    own: Mapping[str, BehaviorInfo | Function] | None = None,
     places: Iterable[str] | None = None,
     peers: Iterable[str] | None = None,
 ) -> Vocabulary:
@@ -127,8 +142,13 @@ def drone_vocabulary(
     """
     own = own or {}
     return Vocabulary(
-        behaviors=Catalog({n: known for n, known in own.items() if isinstance(known, Behavior)}),
-        functions={n: known for n, known in own.items() if isinstance(known, Function)},
+        behaviors=Registry(
+            {n: known for n, known in own.items() if isinstance(known, BehaviorInfo)}
+        ),
+        functions={
+            **{name: function for name, (function, _) in HOST_FUNCTIONS.items()},
+            **{n: known for n, known in own.items() if isinstance(known, Function)},
+        },
         peers=None if peers is None else frozenset(peers),
         names={"vehicle": MapOf(VEHICLE)},
         events=EVENTS,

@@ -1,4 +1,4 @@
-"""Events of the vehicle itself: what its observations say that a mission must not miss."""
+"""Events of the vehicle: what its observations say that a mission must not miss."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hal.vehicle import Observation
+from hal.vehicle import PERIOD, Observation
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,8 @@ class Thresholds:
     """Seconds of silence of ``link.lost``."""
 
 
+LATE = 1.5
+"""Periods after which the next one is late."""
 RECOVERED = 0.02
 """How far above its threshold a charge must rise before it can be low again: estimates waver."""
 
@@ -41,8 +43,12 @@ class Watch:
         """Go on where another watch had come to."""
         self._below, self._lost = set(progress["below"]), progress["lost"]
 
-    def events(self, seen: Observation) -> Iterator[tuple[str, dict[str, Any]]]:
-        """The events of this period, most urgent first."""
+    def events(
+        self, seen: Observation, step: float = PERIOD
+    ) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        """The events of this period, which came ``step`` seconds after the last: crossings of
+        thresholds, what the vehicle tells by itself, and whether the period was late.
+        """
         limits = self.thresholds
         for name, level in (
             ("battery.critical", limits.battery_critical),
@@ -53,9 +59,10 @@ class Watch:
             elif seen.battery <= level and name not in self._below:
                 self._below.add(name)
                 yield name, {"level": seen.battery}
-        lost = seen.link_age > limits.link_lost
+        lost = seen.link == "gone" or seen.link_age > limits.link_lost
         if lost != self._lost:
             self._lost = lost
             yield ("link.lost" if lost else "link.restored"), {"age": seen.link_age}
-        for name in seen.touched:
-            yield "vehicle.collision", {"thing": name}
+        yield from seen.events
+        if step > LATE * PERIOD:
+            yield "vehicle.late", {"step": step}

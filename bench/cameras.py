@@ -25,14 +25,14 @@ from time import process_time
 
 from behaviors import Pilot
 from bench.machine import machine
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal.renderers import open_renderer, renderer_names
 from hal.vehicle import Intrinsics
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 from vencejo.errors import UserError
 from vencejo.geometry import OPTICAL, Point, Pose, about_y, product
 from worlds import World, load_world
@@ -116,7 +116,7 @@ class _Reader:
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         for name in self.cameras:
-            if pilot.flight.camera(name).latest() is not None:
+            if pilot.channel.camera(name).latest() is not None:
                 self.frames += 1
 
 
@@ -128,13 +128,13 @@ def factor(
     ``frames``: leave a run folder, with the frames or without them.
     """
     prepared = prepare(missions.find("first_flight"), str(world))
-    plan = Plan(prepared, parse_parameters(prepared.graph, {}), settings=settings)
+    plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}), settings=settings)
     with TemporaryDirectory() as folder:
         record = None if frames is None else lambda: Recorder(Path(folder), frames=frames)
         began = process_time()
         flown = fly(plan, record, [_Reader(cameras)] if cameras else [])
         took = process_time() - began
-    assert flown.outcome == "done", flown.reason
+    assert flown.alone.outcome == "done", flown.alone.reason
     return flown.mission_time / took
 
 

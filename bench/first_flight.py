@@ -25,17 +25,18 @@ from time import perf_counter
 from rich.console import Console
 
 from bench.machine import machine
-from cli import missions
-from cli.flight import Plan, Watcher, fly
-from cli.pace import Pace
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from cli.view import LiveView
 from fsm import parse_parameters
 from hal import PERIOD
 from hal.sim.bullet import Bullet
 from hal.sim.physics import GRAVITY
 from hal.sim.vehicle import STEPS
+from runner import missions
+from runner.loop import Plan, Watcher, fly
+from runner.pace import Pace
+from runner.preparation import prepare
+from runner.recorder import Recorder
+from runner.run_folder import ALONE
 
 GOAL = 150.0
 RUNS = 15
@@ -43,7 +44,7 @@ RUNS = 15
 
 def plan(noise: float) -> Plan:
     prepared = prepare(missions.find("first_flight"))
-    return Plan(prepared, parse_parameters(prepared.graph, {}), settings={"noise": noise})
+    return Plan.alone(prepared, parse_parameters(prepared.graph, {}), settings={"noise": noise})
 
 
 def realtime_factors() -> tuple[list[float], list[float]]:
@@ -81,7 +82,7 @@ def digest(factor: float | None, watched: bool) -> str:
         watchers: Sequence[Watcher] = ()
         if watched:
             console = Console(file=io.StringIO(), force_terminal=True, width=90)
-            watchers = [LiveView(ordered.prepared.graph, console, factor)]
+            watchers = [LiveView(ordered.assignments[ALONE].prepared.graph, console, factor)]
         fly(ordered, lambda: Recorder(Path(folder)), watchers, Pace(factor))
         return sha256((Path(folder) / "events.jsonl").read_bytes()).hexdigest()
 

@@ -90,7 +90,7 @@ def fly(seed: int) -> Flown:
         while not pilot.instance.is_active("fly"):
             session.wait()
             pilot.period()
-        seen = pilot.flight.observation
+        seen = pilot.channel.observation
         # Command noise has moved it a little: the way counts from where it really is.
         began, length = seen.time, distance(seen.position, target)
         ray = Point(*(part / length for part in target.minus(seen.position)))

@@ -18,6 +18,8 @@ from hal.vehicle import PERIOD, Hold, Observation, Options, Position, Session, V
 from vencejo.geometry import Point, distance, wrap
 
 START = Point(0.0, 0.0, 5.0)
+ONCE = 1000.0
+"""Seconds for which a set-point stays valid that is given once."""
 
 
 def airborne(noise: float = 0.0, seed: int = 0) -> Session:
@@ -27,7 +29,7 @@ def airborne(noise: float = 0.0, seed: int = 0) -> Session:
     vehicle.takeoff(START.z)
     for _ in range(200):
         session.wait()
-    vehicle.command(Position(START, yaw=0.0))
+    vehicle.command(Position(START, yaw=0.0), ONCE)
     for _ in range(200):
         session.wait()
     return session
@@ -94,7 +96,7 @@ def step(to: Point) -> dict[str, float]:
     """A position set-point far away, without feed-forward."""
     with airborne() as session:
         way = to.norm()
-        session.vehicles["drone"].command(Position(START.plus(to), yaw=0.0))
+        session.vehicles["drone"].command(Position(START.plus(to), yaw=0.0), ONCE)
         fastest = overshoot = arrived = 0.0
         begin = session.vehicles["drone"].observe().time
         for seen in fly(session, way / 1.8 + 10):
@@ -112,7 +114,7 @@ def velocity_step() -> dict[str, float]:
     with airborne() as session:
         vehicle = session.vehicles["drone"]
         begin = vehicle.observe().time
-        vehicle.command(Velocity(x=2.0))
+        vehicle.command(Velocity(x=2.0), ONCE)
         settled = fastest = sink = 0.0
         for seen in fly(session, 5):
             fastest = max(fastest, seen.velocity.x)
@@ -133,7 +135,7 @@ def velocity_step() -> dict[str, float]:
 def yaw_step(angle: float) -> dict[str, float]:
     """A new heading on the spot."""
     with airborne() as session:
-        session.vehicles["drone"].command(Position(START, yaw=angle))
+        session.vehicles["drone"].command(Position(START, yaw=angle), ONCE)
         begin = session.vehicles["drone"].observe().time
         overshoot = settled = fastest = 0.0
         for seen in fly(session, 8):

@@ -17,13 +17,13 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 from bench.machine import machine
-from cli import missions
-from cli.flight import Plan, fly
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from fsm import parse_parameters
 from hal.sim.bullet import Bullet
 from hal.sim.obstacle_heights import ObstacleHeightGrid
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 from vencejo.seeds import generator
 from worlds import load_world
 
@@ -67,7 +67,7 @@ def flights(folder: Path) -> dict[str, float]:
         file = folder / f"boxes_{count}.yaml"
         file.write_text(boxes(count))
         prepared = prepare(missions.find(str(folder / "lanes.yaml")), str(file))
-        plans[count] = Plan(prepared, parse_parameters(prepared.graph, {}))
+        plans[count] = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     factors: dict[int, list[float]] = {count: [] for count in plans}
     for number in range(ROUNDS):
         for count, plan in plans.items():
@@ -76,7 +76,7 @@ def flights(folder: Path) -> dict[str, float]:
             begin = process_time()
             flown = fly(plan, lambda runs=runs: Recorder(runs))  # type: ignore[misc]
             factors[count].append(flown.mission_time / (process_time() - begin))
-            assert flown.outcome == "done", flown.reason
+            assert flown.alone.outcome == "done", flown.alone.reason
     middle = {count: median(values) for count, values in factors.items()}
     return {
         "no boxes, times real time": middle[0],

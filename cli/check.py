@@ -10,24 +10,23 @@ from typing import Any
 
 import click
 
-from cli import missions
-from cli.fleet import check_fleet_file
 from cli.options import MissionName
-from cli.prepare import prepare
 from fsm import Graph
 from fsm.language.reader import FLEET
 from hal import backend_capabilities
+from runner import missions
+from runner.preparation import check_fleet_file, prepare
 from vencejo.errors import Fault, UserError
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was found in one mission."""
+    """The faults of one mission, or of one fleet."""
 
     mission: str
     faults: tuple[Fault, ...]
     graphs: tuple[Graph, ...] = ()
-    """What it became; of a fleet those that have no error, of a mission with errors none."""
+    """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
 
     @property
@@ -95,13 +94,13 @@ def _report(mission: str, world: str | None, code: bool) -> Report:
 
 
 def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
-    """With what the backend lacks."""
+    """The report, with a fault for each capability that the backend lacks."""
     missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
     return replace(report, faults=(*missing, *report.faults))
 
 
 def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
-    """What the mission's behaviours need and a backend does not offer."""
+    """Faults for the capabilities that behaviours need and a backend does not offer."""
     return [
         Fault(
             "missing-capability",

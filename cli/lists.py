@@ -1,4 +1,4 @@
-"""The commands that tell what there is: missions, behaviors, worlds, picture, completion."""
+"""Small commands, most of them lists: missions, behaviors, worlds, picture, completion."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from typing import Any
 
 import click
 
-from cli import missions as known
 from cli.look import VIEWS
 from cli.options import MissionName, Place, Word, renderer_option, shadows_option
-from fsm import Behavior, Parameter
+from fsm import BehaviorInfo, Parameter
 from hal.renderers import show_window
+from runner import missions as known
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
+from worlds import World, find_world, world_families, world_names
 
 
 def _plain(docstring: str) -> str:
@@ -43,7 +44,7 @@ def missions(name: str | None, copy: bool, as_json: bool) -> None:
     if copy:
         _copy(found.path)
         return
-    from cli.prepare import prepare
+    from runner.preparation import prepare
 
     graph = prepare(found).graph
     if as_json:
@@ -69,7 +70,7 @@ def _list_missions(as_json: bool) -> None:
 
 
 def _about(path: Path) -> tuple[str, bool]:
-    """What a mission's file says of itself, and whether it is a fleet."""
+    """The description in a mission's file, and whether it is a fleet's."""
     from fsm import read_mission
     from fsm.fleet import read_fleet
     from fsm.language.reader import FLEET
@@ -131,9 +132,9 @@ def _described(parameter: Parameter) -> str:
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def behaviors(name: str | None, as_json: bool) -> None:
     """List the behaviours that missions are composed of, or explain NAME."""
-    from behaviors import Catalog
+    from behaviors import Registry
 
-    catalog = Catalog()
+    catalog = Registry()
     if name is None:
         rows = [(key, _plain(catalog[key].help).partition("\n")[0]) for key in catalog]
         if as_json:
@@ -152,7 +153,7 @@ def behaviors(name: str | None, as_json: bool) -> None:
         _explain(catalog[name])
 
 
-def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
+def _behavior_facts(behavior: BehaviorInfo) -> dict[str, Any]:
     def names(fields: Any) -> dict[str, str]:
         return {name: str(type_) for name, type_ in fields.items()}
 
@@ -169,7 +170,7 @@ def _behavior_facts(behavior: Behavior) -> dict[str, Any]:
     }
 
 
-def _explain(behavior: Behavior) -> None:
+def _explain(behavior: BehaviorInfo) -> None:
     click.echo(f"{behavior.name}\n\n{_plain(behavior.help)}\n")
     if behavior.parameters:
         click.echo("parameters (`live` ones may also stand under `live:`):")
@@ -222,20 +223,14 @@ def worlds(
     as_json: bool,
 ) -> None:
     """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
-    from worlds import find_world, world_families, world_names
-
     if bool(picture_file) + gui + as_json > 1:
         raise UserError("bad-usage", "--render, --gui and --json exclude one another")
-    if name is None and (picture_file or gui):
-        raise UserError("no-world", "which world?", hint="drone-cli worlds road_town --render …")
     if name is None:
-        rows = [(key, find_world(key).description) for key in world_names()]
-        if as_json:
-            click.echo(json.dumps([{"world": key, "description": text} for key, text in rows]))
-        else:
-            _table(rows)
-            click.echo("\ngenerated, by number (roads:17):")
-            _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
+        if picture_file or gui:
+            raise UserError(
+                "no-world", "which world?", hint="drone-cli worlds road_town --render …"
+            )
+        _list_worlds(as_json)
         return
     world = find_world(name)
     if picture_file:
@@ -243,33 +238,45 @@ def worlds(
 
         render(world, picture_file, camera, at, renderer, shadows)
         click.echo(picture_file)
-        return
-    if gui:
+    elif gui:
         show_window(world)
-        return
-    start = world.starts[0]
-    contents: dict[str, list[str]] = {}
-    for thing in world.things:
-        contents.setdefault(thing.kind, []).append(thing.name)
-    contents |= {"road": [road.name for road in world.roads]} if world.roads else {}
+    elif as_json:
+        click.echo(json.dumps(_world_facts(world)))
+    else:
+        _describe_world(world)
+
+
+def _list_worlds(as_json: bool) -> None:
+    rows = [(key, find_world(key).description) for key in world_names()]
     if as_json:
-        facts = {
-            "world": world.name,
-            "description": world.description,
-            "file": str(world.source),
-            "origin": asdict(world.origin) if world.origin else None,
-            "battery": world.battery,
-            "start": list(start.at),
-            "things": contents,
-            "places": {place: list(point) for place, point in world.places.items()},
-        }
-        click.echo(json.dumps(facts))
+        click.echo(json.dumps([{"world": key, "description": text} for key, text in rows]))
         return
+    _table(rows)
+    click.echo("\ngenerated, by number (roads:17):")
+    _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
+
+
+def _world_facts(world: World) -> dict[str, Any]:
+    return {
+        "world": world.name,
+        "description": world.description,
+        "file": str(world.source),
+        "origin": asdict(world.origin) if world.origin else None,
+        "battery": world.battery,
+        "start": list(world.starts[0].at),
+        "things": _contents(world),
+        "places": {place: list(point) for place, point in world.places.items()},
+    }
+
+
+def _describe_world(world: World) -> None:
+    start = world.starts[0].at
     click.echo(f"{world.name}: {world.description}\n  file     {world.source}")
     if world.origin:
         origin = world.origin
         click.echo(f"  origin   {origin.lat:.5f}, {origin.lon:.5f}, {origin.alt:g} m")
-    click.echo(f"  start    {start.at.x:g}, {start.at.y:g}; battery {world.battery:.0%}")
+    click.echo(f"  start    {start.x:g}, {start.y:g}; battery {world.battery:.0%}")
+    contents = _contents(world)
     if contents:
         click.echo("  contents:")
         _table([(f"    {kind}", _some(names)) for kind, names in contents.items()])
@@ -278,6 +285,14 @@ def worlds(
         _table(
             [(f"    {place}", f"{p.x:g}, {p.y:g}, {p.z:g}") for place, p in world.places.items()]
         )
+
+
+def _contents(world: World) -> dict[str, list[str]]:
+    """Names of a world's things by kind, and of its roads."""
+    contents: dict[str, list[str]] = {}
+    for thing in world.things:
+        contents.setdefault(thing.kind, []).append(thing.name)
+    return contents | ({"road": [road.name for road in world.roads]} if world.roads else {})
 
 
 def _some(names: list[str]) -> str:
@@ -290,7 +305,7 @@ def _some(names: list[str]) -> str:
 @click.argument("folder", type=click.Path(path_type=Path))
 def picture(folder: Path) -> None:
     """Draw the picture of the run in FOLDER, also of one that was killed."""
-    from cli.picture import draw
+    from cli.flight_plot import draw
 
     click.echo(draw(folder))
 

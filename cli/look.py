@@ -103,7 +103,7 @@ def _extent(world: World) -> tuple[Point, float]:
 
 
 def _corners(thing: Thing) -> list[Point]:
-    """Of the boxes about the parts of a thing that stands still."""
+    """The corners of the boxes about the parts of a thing that stands still."""
     return [
         corner
         for part in thing.parts

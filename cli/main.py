@@ -19,12 +19,12 @@ COMMANDS = {
     "missions": ("cli.lists:missions", "List missions, show one, or copy one to change it."),
     "behaviors": ("cli.lists:behaviors", "List behaviours, or explain one."),
     "worlds": ("cli.lists:worlds", "List worlds, or show one."),
-    "schema": ("cli.schema:schema", "Print the JSON Schema of missions, for editors."),
+    "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),
     "completion": ("cli.lists:completion", "Print shell completion to source."),
 }
-PACKAGES = ("vencejo", "fsm", "behaviors", "hal", "worlds", "cli")
+PACKAGES = ("vencejo", "fsm", "behaviors", "hal", "worlds", "runner", "cli")
 WELCOME = """\
 drone-cli flies drone missions that are written as state graphs in YAML.
 

@@ -80,7 +80,7 @@ class MissionName(click.ParamType):  # type: ignore[type-arg]
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        from cli.missions import names
+        from runner.missions import names
 
         known = [CompletionItem(name) for name in names() if name.startswith(incomplete)]
         return [*known, CompletionItem(incomplete, type="file")]

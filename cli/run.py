@@ -8,14 +8,9 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import click
 
-from cli import missions
-from cli.appending import as_json as as_json_value
-from cli.camera_file import joined, read_camera_file
-from cli.flight import INTERRUPTED, Plan, Watcher, fly, summarise
 from cli.options import (
     MissionName,
     Speed,
@@ -25,12 +20,17 @@ from cli.options import (
     renderer_option,
     shadows_option,
 )
-from cli.pace import Pace
-from cli.prepare import prepare
-from cli.recorder import Recorder, new_folder
 from cli.signals import Interrupts
 from fsm import parse_parameters
 from hal import backend_names
+from runner import missions
+from runner.appended_file import as_json as as_json_value
+from runner.camera_file import joined, read_camera_file
+from runner.loop import Plan, Watcher, fly
+from runner.pace import Pace
+from runner.preparation import prepare
+from runner.recorder import Recorder, new_folder
+from runner.run_folder import INTERRUPTED, summary_fields
 from vencejo.errors import UserError
 
 
@@ -134,7 +134,7 @@ def run(
             "renderer": renderer,
             "shadows": shadows,
         }
-    plan = Plan(prepared, values, backend, seed, settings)
+    plan = Plan.alone(prepared, values, backend=backend, seed=seed, settings=settings)
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
@@ -144,42 +144,44 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    summary = _fly(plan, speed, record, as_json)
-    sys.exit(summary["exit_code"])
+    sys.exit(_fly(plan, speed, record, as_json))
 
 
 def _fly(
     plan: Plan, speed: float | None, new_recorder: Callable[[], Recorder], as_json: bool
-) -> dict[str, Any]:
+) -> int:
+    """Fly, show and record; the exit code."""
     made: list[Recorder] = []
 
     def record() -> Recorder:
         made.append(new_recorder())
-        made[0].keep(plan.prepared.files, plan.prepared.found.path.parent)
-        made[0].keep_world(plan.prepared.world)
+        for assignment in plan.assignments.values():
+            prepared = assignment.prepared
+            made[0].keep(prepared.files, prepared.found.path.parent)
+        made[0].keep_world(plan.world)
         return made[0]
 
     try:
         with ExitStack() as stack:
             stops = stack.enter_context(Interrupts())
             watchers = [] if as_json else [_watcher(plan, speed, stops, stack)]
-            flown = fly(plan, record, watchers, Pace(speed), stops)
+            summary = fly(plan, record, watchers, Pace(speed), stops)
     except KeyboardInterrupt:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
         if made:
             click.echo(f"run folder: {made[0].folder}", err=True)
         sys.exit(INTERRUPTED)
     folder = made[0].folder
-    summary = summarise(plan, flown, folder)
-    made[0].write("summary.json", summary)
+    made[0].write_summary(summary)
     _draw(folder)
+    fields = summary_fields(summary, folder)
     if as_json:
-        click.echo(json.dumps(summary, ensure_ascii=False, default=as_json_value))
+        click.echo(json.dumps(fields, ensure_ascii=False, default=as_json_value))
     else:
         from cli.view import show_summary
 
-        show_summary(summary, sys.stdout)
-    return summary
+        show_summary(fields, sys.stdout)
+    return summary.exit_code
 
 
 def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStack) -> Watcher:
@@ -197,11 +199,12 @@ def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStac
 
     if not console.is_terminal:
         return PlainView(sys.stdout, closed)
-    return stack.enter_context(LiveView(plan.prepared.graph, console, speed, closed))
+    (assignment,) = plan.assignments.values()
+    return stack.enter_context(LiveView(assignment.prepared.graph, console, speed, closed))
 
 
 def _draw(folder: Path) -> None:
-    from cli.picture import draw
+    from cli.flight_plot import draw
 
     try:
         draw(folder)

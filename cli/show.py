@@ -7,10 +7,10 @@ from pathlib import Path
 
 import click
 
-from cli import missions
 from cli.options import MissionName, Word
-from cli.prepare import prepare
 from fsm import Graph
+from runner import missions
+from runner.preparation import prepare
 from vencejo.errors import UserError, Where
 
 WRITERS = {

@@ -1,4 +1,4 @@
-"""Ctrl-C and its kin: once asks the mission, twice lands past it, thrice stops the program."""
+"""Ctrl-C, SIGTERM and SIGHUP: once asks the mission, twice lands, thrice stops the program."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Interrupts:
         self._before: dict[int, signal.Handlers] = {}
 
     def request(self, weight: int = 1) -> None:
-        """As if a signal had come."""
+        """Count a request to stop that came by other means than a signal."""
         self.count = self.count + 1 if weight == 1 else max(self.count + 1, weight)
         if self.count >= 3:
             raise KeyboardInterrupt

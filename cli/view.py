@@ -1,4 +1,4 @@
-"""What a person sees of a flight: one live view on a terminal, plain lines everywhere else."""
+"""Views of a flight: a live one on a terminal, plain lines everywhere else."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class PlainView:
         self._open = True
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
-        seen = pilot.flight.observation
+        seen = pilot.channel.observation
         leaves = set(pilot.instance.paths())
         for kind, fields in records:
             if kind == "enter" and fields["state"] in leaves:
@@ -95,11 +95,11 @@ def silence(out: IO[str]) -> None:
 
 def _height(pilot: Pilot) -> str:
     # Adding zero turns the -0.0 of a vehicle at rest into 0.0.
-    return f"{round(pilot.flight.observation.position.z, 1) + 0.0:.1f} m"
+    return f"{round(pilot.channel.observation.position.z, 1) + 0.0:.1f} m"
 
 
 def _figures(pilot: Pilot) -> str:
-    seen = pilot.flight.observation
+    seen = pilot.channel.observation
     return f"altitude {_height(pilot)}, battery {seen.battery:.0%}"
 
 
@@ -138,15 +138,15 @@ class LiveView:
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         if self._wall is None:
             self._wall = time.monotonic()
-            frame = pilot.flight.frame
+            frame = pilot.channel.frame
             self._places = [frame.from_world(place) for place in frame.places.values()]
             self._sketch.include((place.x, place.y) for place in self._places)
-        here = pilot.flight.observation.position
+        here = pilot.channel.observation.position
         self._sketch.add((here.x, here.y))
         for kind, fields in records:
             text = note(kind, fields)
             if text:
-                self._notes.append(f"{clock(pilot.flight.now)}  {text}")
+                self._notes.append(f"{clock(pilot.channel.now)}  {text}")
         now = time.monotonic()
         if now - self._drawn >= REFRESH or pilot.finished:
             self._drawn = now
@@ -164,7 +164,7 @@ class LiveView:
 
     def picture(self, pilot: Pilot, wall: float) -> RenderableType:
         """The view of this moment, ``wall`` seconds after the first."""
-        seen = pilot.flight.observation
+        seen = pilot.channel.observation
         pace = seen.time / wall if wall > 0.5 else self._factor
         head = Text.assemble(
             (f" {self._graph.name} ", "bold reverse"),

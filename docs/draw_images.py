@@ -11,16 +11,16 @@ import cv2
 from rich.console import Console
 
 from behaviors import Pilot
-from cli import missions
-from cli.flight import Plan, fly
+from cli.flight_plot import draw
 from cli.look import render
-from cli.picture import draw
-from cli.prepare import prepare
-from cli.recorder import Recorder
 from cli.view import LiveView
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from runner.recorder import Recorder
 from worlds import find_world, world_names
 
 IMAGES = Path(__file__).parent / "images"
@@ -39,7 +39,7 @@ class _Snapshot:
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         self.view.show(pilot, records)
-        if pilot.flight.now >= MOMENT and not self.taken:
+        if pilot.channel.now >= MOMENT and not self.taken:
             self.taken = True
             self.console.print(self.view.picture(pilot, MOMENT / SPEED))
 
@@ -67,7 +67,7 @@ def main() -> None:
     draw_graphs()
     draw_worlds()
     prepared = prepare(missions.find("first_flight"))
-    plan = Plan(prepared, parse_parameters(prepared.graph, {}))
+    plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=90, file=io.StringIO(), force_terminal=True)
     snapshot = _Snapshot(LiveView(prepared.graph, console, SPEED), console)
     with TemporaryDirectory() as folder:

@@ -4,13 +4,13 @@ from fsm.chart.graph import Edge, Graph, Node
 from fsm.checks.safety import prove
 from fsm.compiler.mission import compile_mission, parse_parameters
 from fsm.engine.instance import Event, Instance
-from fsm.host import Activity, Behavior, Host, Outcome, Parameter, Vocabulary
+from fsm.host import Activity, BehaviorInfo, Host, Outcome, Parameter, Vocabulary
 from fsm.language.includes import read_mission, read_mission_text
 from fsm.language.spec import MissionSpec
 
 __all__ = [
     "Activity",
-    "Behavior",
+    "BehaviorInfo",
     "Edge",
     "Event",
     "Graph",

@@ -1,4 +1,4 @@
-"""Which states and transitions of missions were visited: noted by `transitions` callbacks."""
+"""Coverage: the states and transitions of missions that runs visit, by `transitions` callbacks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fsm.chart.graph import Edge, Graph, Node
 
 @dataclass
 class Visits:
-    """One mission: what there is, each with its place, and which of it was visited."""
+    """The states and transitions of one mission, each with its place, and those visited."""
 
     title: str
     states: list[str] = field(default_factory=list)
@@ -20,7 +20,7 @@ class Visits:
     visited: set[str] = field(default_factory=set)
 
     def lines(self) -> Iterator[str]:
-        """How much was covered, and each thing that was not, with its place."""
+        """A line of counts, then a line for each state and transition that was not visited."""
         counts = [
             f"{sum(thing in self.visited for thing in things)} of {len(things)} {word}"
             for word, things in (("states", self.states), ("transitions", self.transitions))
@@ -38,7 +38,7 @@ class Coverage:
         self.missions: dict[str, Visits] = {}
 
     def watch(self, graph: Graph) -> None:
-        """Note from now on what the instances of this graph visit."""
+        """Record from now on the visits of all instances of this graph."""
         states = [n for n in graph.nodes if n.parent is not None and n.type != "history"]
         edges = [edge for node in graph.nodes for edge in node.edges()]
         title = f"{graph.root.where.file} ({graph.name})"
@@ -51,17 +51,19 @@ class Coverage:
             edge.before.append(partial(_note, visits.visited, _transition(edge)))
 
     def lines(self) -> Iterator[str]:
+        """The lines of all missions, sorted by their titles."""
         for visits in sorted(self.missions.values(), key=lambda visits: visits.title):
             yield from visits.lines()
 
     def to_json(self) -> dict[str, Any]:
+        """All visits by the digest of their mission, for :meth:`add` in another process."""
         return {
             digest: [v.title, v.states, v.transitions, sorted(v.visited)]
             for digest, v in self.missions.items()
         }
 
     def add(self, other: Mapping[str, Any]) -> None:
-        """Add what another process has collected, as :meth:`to_json` gives it."""
+        """Add the visits that another process collected, as :meth:`to_json` gives them."""
         for digest, (title, states, transitions, visited) in other.items():
             visits = self.missions.setdefault(digest, Visits(title, states, transitions))
             visits.visited.update(visited)

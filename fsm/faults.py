@@ -1,4 +1,4 @@
-"""Collects faults, so that one look at a mission shows them all."""
+"""A list that collects faults, so that one check of a mission reports them all."""
 
 from __future__ import annotations
 
@@ -12,18 +12,20 @@ class Faults(list[Fault]):
     """The faults found so far."""
 
     def fail(self, code: str, message: str, where: Where | None, hint: str | None = None) -> None:
+        """Add an error."""
         self.append(Fault(code, message, where, hint))
 
     def warn(self, code: str, message: str, where: Where, hint: str) -> None:
+        """Add a warning."""
         self.append(Fault(code, message, where, hint, "warning"))
 
     @property
     def errors(self) -> int:
-        """How many of them keep a mission from flying."""
+        """The number of faults that are errors, not warnings."""
         return sum(fault.severity == "error" for fault in self)
 
     def collecting(self) -> _Collecting:
-        """Keep what a UserError says, and go on after the block."""
+        """A context manager that adds the faults of a UserError, and goes on after the block."""
         return _Collecting(self)
 
     def raise_any(self) -> None:

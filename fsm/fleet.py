@@ -1,4 +1,4 @@
-"""Fleets: several missions that fly together, by one clock. They are read and checked here."""
+"""Reads and checks fleets: several missions that fly together, by one clock."""
 
 from __future__ import annotations
 
@@ -13,22 +13,19 @@ from fsm.expressions.literals import Context
 from fsm.expressions.scope import TIME_SLOT, Binding, Scope, start
 from fsm.faults import Faults
 from fsm.language.includes import read_mission
-from fsm.language.keys import SMALL_NAME
+from fsm.language.keys import AT, SMALL_NAME, Place
 from fsm.language.spec import MissionSpec
 from fsm.values.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, kind, read_file
+from vencejo.nodes import Scalar, YamlNode, kind, read_file
 from vencejo.units import TIME
-
-FLEET_KEYS = frozenset({"fleet", "description", "world", "vehicles", "until"})
-VEHICLE_KEYS = frozenset({"mission", "with"})
 
 
 @dataclass(frozen=True)
 class Member:
-    """One vehicle of a fleet and what it flies."""
+    """One vehicle of a fleet, with its mission and the parameters given to it."""
 
     name: Scalar
     spec: MissionSpec
@@ -47,18 +44,18 @@ class FleetSpec:
     world: Scalar | None = None
     until: Scalar | None = None
     names: frozenset[str] = frozenset()
-    """Of all its vehicles, those with a broken mission too."""
+    """The names of all vehicles, also of those whose missions cannot be read."""
 
 
 def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faults]:
-    """A fleet with all its missions that can be read, and the mistakes of form of all files.
+    """Read a fleet with all its missions, and collect the mistakes of form in all files.
 
     Raises UserError when the fleet's own file cannot be read at all.
     """
     shown = shown_as or str(path)
     node, faults = read_file(path, shown), Faults()
-    _keys(node, FLEET_KEYS, "a fleet", faults)
-    scalars = {key: _text(node, key, faults) for key in ("fleet", "world", "until", "description")}
+    _refuse_unknown(node, "fleet", faults)
+    texts = {name: _text(node, name, faults) for name in AT["fleet"] if name != "vehicles"}
     vehicles = node.get("vehicles")
     members: list[Member] = []
     entries = vehicles.entries if isinstance(vehicles, MapNode) else []
@@ -68,21 +65,21 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     for name, value in entries:
         with faults.collecting():
             members.append(_member(name, value, path.parent, shown, faults))
-    fleet, description = scalars["fleet"], scalars["description"]
+    fleet, description = texts["fleet"], texts["description"]
     spec = FleetSpec(
         fleet.text if fleet else path.stem,
         shown,
         description.text if description else "",
         tuple(members),
-        scalars["world"],
-        scalars["until"],
+        texts["world"],
+        texts["until"],
         frozenset(name.text for name, _ in entries),
     )
     return spec, faults
 
 
 def check_fleet(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Faults:
-    """What is wrong between a fleet and its compiled missions."""
+    """The faults of a fleet that its compiled missions show: parameters, names, `until`."""
     faults, scope = Faults(), Scope()
     for name in spec.names - {member.name.text for member in spec.members}:
         # Its mission cannot be read, which is a fault already.
@@ -121,13 +118,13 @@ def _parameters(member: Member, graph: Graph, faults: Faults) -> None:
             faults.fail("missing-parameter", message, member.name.where, hint)
 
 
-def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) -> Member:
+def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faults) -> Member:
     if not SMALL_NAME.fullmatch(name.text):
         hint = "a small letter, then small letters, digits and _"
         faults.fail("bad-name", f"'{name.text}' is no name for a vehicle", name.where, hint)
     if not isinstance(node, MapNode):
         raise UserError("wrong-type", f"a vehicle is a map, not {kind(node)}", node.where)
-    _keys(node, VEHICLE_KEYS, "a vehicle", faults)
+    _refuse_unknown(node, "vehicle", faults)
     word = _text(node, "mission", faults)
     if word is None:
         message, hint = f"'{name.text}' has no mission", "mission: file.yaml"
@@ -144,11 +141,11 @@ def _member(name: Scalar, node: Node, folder: Path, shown: str, faults: Faults) 
     return Member(name, spec, path, with_)
 
 
-def _keys(node: MapNode, known: frozenset[str], what: str, faults: Faults) -> None:
+def _refuse_unknown(node: MapNode, place: Place, faults: Faults) -> None:
     for key, _ in node:
-        if key.text not in known:
-            hint = nearest(key.text, known)
-            faults.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+        if key.text not in AT[place]:
+            hint = nearest(key.text, AT[place])
+            faults.fail("unknown-key", f"a {place} has no key '{key.text}'", key.where, hint)
 
 
 def _text(node: MapNode, key: str, faults: Faults) -> Scalar | None:

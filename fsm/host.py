@@ -1,4 +1,4 @@
-"""What a graph may say about its host: behaviours, host names, events, reactions.
+"""The interface between a graph and its host: behaviours, host names, events, reactions.
 
 fsm knows nothing of drones; whoever runs graphs describes itself in one :class:`Vocabulary` and
 gives the behaviours life through the :class:`Host` protocol.
@@ -13,7 +13,7 @@ from typing import Any, Literal, Protocol
 from fsm.values.types import Type
 
 Reaction = Literal["none", "land", "suspend", "resume"]
-"""What the host does about an event that no active state handles: nothing, end the mission with a
+"""The host's reaction to an event that no active state handles: none, end the mission with a
 landing, or suspend the mission until an event whose reaction is to resume it."""
 
 
@@ -33,8 +33,8 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Behavior:
-    """A behaviour as graphs see it."""
+class BehaviorInfo:
+    """The facts about a behaviour that a graph is checked against."""
 
     name: str
     help: str = ""
@@ -44,34 +44,34 @@ class Behavior:
     events: Mapping[str, Mapping[str, Type]] = field(default_factory=dict)
     publishes: Mapping[str, Type] = field(default_factory=dict)
     blank: Any = None
-    """What it publishes before its first step."""
+    """The object it publishes before its first step."""
     controls: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     ends_landed: bool = False
     on_trust: bool = False
-    """Nothing but its name is known: whatever a graph says of it is believed."""
+    """Only its name is known: it is not checked how a graph uses it."""
     implementation: Any = None
-    """Whatever the host makes a running behaviour of."""
+    """The host's own object, from which it starts the behaviour."""
 
 
 @dataclass(frozen=True)
 class Function:
-    """A registered function, for `call`: prompt, and never motion."""
+    """A registered function, for `call`; it returns at once and moves nothing."""
 
     name: str
     help: str = ""
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     implementation: Any = None
-    """Whatever the host runs for it."""
+    """The host's own object, which it calls."""
     on_trust: bool = False
-    """Nothing but its name is known: whatever a graph gives it is believed."""
+    """Only its name is known: its arguments are not checked."""
 
 
 @dataclass(frozen=True)
 class Vocabulary:
     """Everything a graph may name that is not its own."""
 
-    behaviors: Mapping[str, Behavior] = field(default_factory=dict)
+    behaviors: Mapping[str, BehaviorInfo] = field(default_factory=dict)
     names: Mapping[str, Type] = field(default_factory=dict)
     """Host names in the order in which the host gives their values each period."""
     events: Mapping[str, Mapping[str, Type]] = field(default_factory=dict)
@@ -79,25 +79,27 @@ class Vocabulary:
     urgent: tuple[str, ...] = ()
     """Names, or families like ``operator.*``, that go ahead of all other events."""
     reactions: Mapping[str, Reaction] = field(default_factory=dict)
-    """Event → what the host does when nobody handles it; what is not named gets ``land``."""
+    """The host's reactions by event; to any other event it is ``land``."""
     must_land: tuple[str, ...] = ()
     """Urgent events after which a mission must land (see :mod:`fsm.checks.safety`)."""
     places: frozenset[str] | None = None
     """Named places of the world, where known before the flight."""
     functions: Mapping[str, Function] = field(default_factory=dict)
-    """What `call` may run."""
+    """The functions that `call` may run, by name."""
     peers: frozenset[str] | None = None
     """The vehicles of the fleet that the mission is part of; None when it flies alone."""
 
     def is_urgent(self, event: str) -> bool:
+        """Whether an event goes ahead of all others."""
         return any(matches(pattern, event) for pattern in self.urgent)
 
     def reaction(self, event: str) -> Reaction:
+        """The host's reaction to an event that no active state handles."""
         return self.reactions.get(event, "land")
 
 
 def matches(pattern: str, event: str) -> bool:
-    """Whether ``battery.*`` or ``battery.low`` names this event."""
+    """Whether a pattern (``battery.low``, or a family like ``battery.*``) names this event."""
     if pattern.endswith(".*"):
         return event.startswith(pattern[:-1])
     return pattern == event
@@ -105,46 +107,46 @@ def matches(pattern: str, event: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a behaviour ended, and the fields that ``event`` has then."""
+    """The end of a behaviour: its outcome, and the fields that ``event`` has then."""
 
     word: str
     fields: Mapping[str, Any] = field(default_factory=dict)
 
 
 class Activity(Protocol):
-    """A behaviour at work for one state. It never raises: what goes wrong is ``failed``."""
+    """A behaviour that runs for one state. It never raises: an error is the outcome ``failed``."""
 
     @property
     def published(self) -> Any:
         """The values seen under its name, an object with the declared fields."""
 
     def step(self, live: Mapping[str, Any]) -> Outcome | None:
-        """One period with the present values of its ``live`` parameters."""
+        """Run it for one period, with the present values of its ``live`` parameters."""
 
     def progress(self) -> Mapping[str, Any] | None:
-        """How far it came, as JSON; asked before stop."""
+        """Its progress as JSON, to go on from later; asked before :meth:`stop`."""
 
     def saved(self) -> Mapping[str, Any]:
-        """What :meth:`Host.resume` needs to go on with it, as values that can be packed."""
+        """The values that :meth:`Host.resume` needs; :func:`fsm.values.packing.pack` takes them."""
 
     def stop(self) -> None:
-        """Called once, whether it ended by itself or its state was left."""
+        """End it. Called once, whether it ended by itself or its state was left."""
 
 
 class Host(Protocol):
-    """What a running graph asks of whoever runs it."""
+    """The services that a running graph needs from the program that runs it."""
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
     ) -> Activity:
         """Start a behaviour. Never raises: one that cannot start fails in its first step."""
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> Activity:
-        """Go on with a behaviour of a saved run, from what its activity said in ``saved``."""
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> Activity:
+        """Go on with a behaviour of a saved run, from the values of its :meth:`Activity.saved`."""
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered function. Raises EvaluationError when it fails."""

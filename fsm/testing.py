@@ -1,4 +1,4 @@
-"""For tests of graphs: step one without its host, with behaviours that end when they are told.
+"""Tests of graphs: a trial steps one without its host, with behaviours that end as scripted.
 
 >>> trial = Trial(graph, {"goto": ends("blocked", after=2.0)})
 >>> trial.until("survey").send("battery.low").assert_path("takeoff", "survey", "land")
@@ -13,18 +13,18 @@ from typing import Any, Self
 
 from fsm.chart.graph import Graph
 from fsm.engine.instance import Instance, Record
-from fsm.host import Behavior, Outcome
+from fsm.host import BehaviorInfo, Outcome
 from fsm.values.types import Bool, ListOf, MapOf, Number, PointType, Text, Type
 from vencejo.errors import nearest
 from vencejo.geometry import Point
 
 PERIOD = 0.025
-"""Seconds from one period of a trial to the next."""
+"""The mission period of a trial, seconds."""
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How a scripted behaviour ends."""
+    """The end of a scripted behaviour."""
 
     outcome: str
     after: float
@@ -33,14 +33,14 @@ class Ending:
 
 
 def ends(outcome: str = "done", after: float = 0.0, **fields: Any) -> Ending:
-    """A behaviour that ends in an outcome ``after`` so many seconds; ``fields`` of its event."""
+    """The end of a behaviour: an outcome after so many seconds, with the fields of its event."""
     return Ending(outcome, after, fields)
 
 
 class Scripted:
-    """A behaviour that does nothing, and ends as its script says."""
+    """A running behaviour that does nothing but end as scripted."""
 
-    def __init__(self, behavior: Behavior, ending: Ending | None, steps: int = 0) -> None:
+    def __init__(self, behavior: BehaviorInfo, ending: Ending | None, steps: int = 0) -> None:
         self.published: Any = behavior.blank
         self.ending = ending
         self.steps = steps
@@ -63,7 +63,7 @@ class Scripted:
 
 
 class _TrialHost:
-    """What a graph in a trial asks for: scripted behaviours, and notes of what it calls."""
+    """The host of a graph in a trial: scripted behaviours, and lists of calls and sent events."""
 
     def __init__(self, behaviors: Mapping[str, Ending]) -> None:
         self.behaviors = behaviors
@@ -72,30 +72,30 @@ class _TrialHost:
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
     ) -> Scripted:
-        """See fsm.Host."""
+        """See :class:`fsm.host.Host`."""
         ending = self.behaviors.get(state) or self.behaviors.get(behavior.name)
         return Scripted(behavior, ending, (progress or {}).get("steps", 0))
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> Scripted:
-        """See fsm.Host."""
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> Scripted:
+        """See :class:`fsm.host.Host`."""
         return self.begin(behavior, state, {}, saved)
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
-        """See fsm.Host."""
+        """See :class:`fsm.host.Host`."""
         self.calls.append((name, arguments))
 
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
-        """See fsm.Host."""
+        """See :class:`fsm.host.Host`."""
         self.sent.append((to, event, fields))
 
 
 class Trial:
-    """A graph at work in a test. Its behaviours never end but as ``behaviors`` says.
+    """A running graph in a test. Its behaviours end only as ``behaviors`` says.
 
     ``behaviors`` gives endings by the path of a state or the name of a behaviour; a state's own
     goes first. Host values begin as 0, false, empty or the origin: see :meth:`set`.
@@ -112,14 +112,14 @@ class Trial:
         self.path: list[str] = []
         """The leaf states in the order in which they were entered."""
         self.records: list[Record] = []
-        """All that happened."""
+        """All records of the instance."""
         host = _TrialHost(self.behaviors)
         self.calls = host.calls
         """Registered actions that were called, with their arguments."""
         self.sent = host.sent
-        """Events sent to other vehicles: to whom, which, with what fields."""
+        """Events sent to other vehicles: the vehicle, the event, its fields."""
         self.time = 0.0
-        """Seconds that were lived through."""
+        """The time of the last period, seconds."""
         self._periods = 0
         self._values = {name: _blank(type_) for name, type_ in graph.vocabulary.names.items()}
         self._refuse_unknown(parameters or {})
@@ -195,15 +195,16 @@ class Trial:
 
     @property
     def outcome(self) -> str | None:
-        """How the mission ended; None while it is at work."""
+        """The outcome of the mission; None while it runs."""
         return self.instance.outcome
 
     @property
     def logged(self) -> list[str]:
-        """What its ``log`` actions said."""
+        """The texts of its ``log`` actions."""
         return [fields["text"] for kind, fields in self.records if kind == "log"]
 
     def is_active(self, state: str) -> bool:
+        """Whether a state is active. Raises ValueError when there is none of that path."""
         if state not in self.graph.by_path:
             raise ValueError(f"there is no state '{state}': {nearest(state, self.graph.by_path)}")
         return self.instance.is_active(state)
@@ -237,18 +238,15 @@ class Trial:
         return f"it is in {', '.join(self.active) or 'no state'} and took {' → '.join(self.path)}"
 
 
+_BLANK = {Bool: False, Number: 0.0, Text: "", PointType: Point(0.0, 0.0, 0.0)}
+
+
 def _blank(type_: Type) -> Any:
+    """The first value of a host name of that type; None for one of which nothing is known."""
     match type_:
-        case Bool():
-            return False
-        case Number():
-            return 0.0
-        case Text():
-            return ""
-        case PointType():
-            return Point(0.0, 0.0, 0.0)
         case ListOf():
             return []
         case MapOf(fields=fields):
             return SimpleNamespace(**{n: _blank(inner) for n, inner in (fields or {}).items()})
-    return None
+        case _:
+            return _BLANK.get(type(type_))

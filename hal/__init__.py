@@ -1,16 +1,22 @@
 """Vehicles: the contract that missions fly on, and its backends found by name."""
 
 from hal.backends import backend_capabilities, backend_names, open_backend
+from hal.base import BaseSession, BaseVehicle
+from hal.lights import Lights
+from hal.limits import Limits
+from hal.orders import Order, Orders
 from hal.vehicle import (
+    ACCEPTED,
     PERIOD,
+    VALIDITY,
+    Answer,
+    Attitude,
     Camera,
     Frame,
     Hold,
     Intrinsics,
-    Limits,
     Observation,
     Options,
-    Order,
     Position,
     Reading,
     Sensor,
@@ -18,20 +24,29 @@ from hal.vehicle import (
     Setpoint,
     Unavailable,
     Vehicle,
+    VehicleEvent,
     Velocity,
     VisionPose,
 )
 
 __all__ = [
+    "ACCEPTED",
     "PERIOD",
+    "VALIDITY",
+    "Answer",
+    "Attitude",
+    "BaseSession",
+    "BaseVehicle",
     "Camera",
     "Frame",
     "Hold",
     "Intrinsics",
+    "Lights",
     "Limits",
     "Observation",
     "Options",
     "Order",
+    "Orders",
     "Position",
     "Reading",
     "Sensor",
@@ -39,6 +54,7 @@ __all__ = [
     "Setpoint",
     "Unavailable",
     "Vehicle",
+    "VehicleEvent",
     "Velocity",
     "VisionPose",
     "backend_capabilities",

@@ -6,7 +6,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 
 from hal.vehicle import Options, Session
-from vencejo.errors import UserError, nearest
+from vencejo.errors import UserError, VehicleError, nearest
 
 GROUP = "vencejo.backends"
 
@@ -45,6 +45,16 @@ def open_backend(name: str, options: Options) -> Session:
             session: Session = point.load()(options)
             return session
     raise _unknown(name)
+
+
+def not_heard(vehicle: str, options: Options) -> VehicleError:
+    """The error of a vehicle that was not heard before the connection timed out."""
+    where = f" at '{options.address}'" if options.address else ""
+    return VehicleError(
+        "not-heard",
+        f"nothing was heard of '{vehicle}'{where} within {options.connect_timeout:g} s",
+        hint="is it switched on, and is --connect its address? For a start: --backend sim",
+    )
 
 
 def _unknown(name: str) -> UserError:

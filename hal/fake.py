@@ -1,47 +1,77 @@
 """A vehicle without physics, for the unit tests of what flies it.
 
 It moves exactly as it is told, at once and at limited speed, over flat ground at z = 0. Everything
-a test may want to go wrong is an attribute of :class:`FakeVehicle`.
+a test may want to go wrong is an attribute of :class:`FakeVehicle` or :class:`FakeSession`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot, inf
+from math import hypot, inf, tan
 from types import MappingProxyType
+from typing import Any
 
-from hal.orders import Orders
+from hal.backends import not_heard
+from hal.base import BaseSession, BaseVehicle
+from hal.lights import Lights
+from hal.limits import Limits
+from hal.orders import DONE, UNDER_WAY, Decision, Order, refused
 from hal.vehicle import (
+    ACCEPTED,
     PERIOD,
-    Camera,
+    PERIODS_PER_SECOND,
+    VALIDITY,
+    Answer,
+    Attitude,
+    Authority,
     Hold,
-    Limits,
     Observation,
-    Order,
+    Options,
     Position,
-    Sensor,
     Setpoint,
-    Unavailable,
-    VisionPose,
+    VehicleEvent,
+    Velocity,
+    link_of,
 )
 from vencejo.geometry import Point, horizontal_distance, rotate_xy, wrap, yaw_quaternion
 
 _STILL = Point(0.0, 0.0, 0.0)
 _RETURN_HEIGHT = 5.0
 _FALL = 5.0
+_GRAVITY = 9.81
 
 
-class FakeVehicle:
+class FakeVehicle(BaseVehicle):
     """One vehicle that does as it is told (see :class:`hal.vehicle.Vehicle`)."""
 
+    profiles = MappingProxyType(
+        {"indoor": Limits(max_speed=1.0, max_altitude=2.5), "outdoor": Limits(max_altitude=100.0)}
+    )
+
     def __init__(self, name: str = "drone", at: Point = _STILL, yaw: float = 0.0) -> None:
+        super().__init__(
+            name,
+            {
+                "arm": self._decide_arm,
+                "disarm": self._decide_disarm,
+                "takeoff": self._decide_takeoff,
+                "land": self._decide_land,
+                "return_home": self._decide_return_home,
+                "emergency_stop": self._decide_emergency_stop,
+                "reset": self._decide_reset,
+                "trim": self._decide_trim,
+                "lights": self._decide_lights,
+            },
+        )
         self.commands: list[Setpoint] = []
-        """Every set-point it was given, also those it ignored."""
+        """Every set-point it was given, also those it refused."""
         self.verbs: list[str] = []
         """Every verb it was given."""
+        self.shown: list[Lights] = []
+        """Every pattern its lamps were told to show."""
         self.capabilities = frozenset(
-            {"position", "velocity", "yaw", "arm", "takeoff", "land", "return_home"}
-            | {"emergency_stop", "battery", "limits"}
+            {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+            | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
         )
         self.position = at
         self.yaw = yaw
@@ -49,19 +79,28 @@ class FakeVehicle:
         """0 to 1; it stays as it is set. At 0 the motors stop."""
         self.health: tuple[str, ...] = ()
         """Why it refuses to arm."""
+        self.silent = False
+        """Nothing is heard of it, and it hears nothing."""
+        self.gone = False
+        """The link to it is closed."""
         self.link_age = 0.0
-        """Seconds since it was last heard."""
+        """Seconds since it was last heard; grows while it is silent."""
+        self.authority: Authority = "mission"
+        """Who commands it; it refuses set-points while that is not the mission."""
+        self.authority_reason = ""
         self.wind = _STILL
         """Carries it along in the air, m/s."""
         self.stuck = False
         """It does not get anywhere, whatever it is told."""
-        self.refusal: str | None = None
+        self.refuse_next: str | None = None
         """Why the next verb is refused; used up by it."""
-        self.limits = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
-        self.limits |= {"max_tilt": 0.35, "max_altitude": inf}
-        """By the names they have in :class:`hal.vehicle.Limits`."""
-        self._name = name
+        self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
+        self.limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
+        """By the names they have in :class:`hal.limits.Limits`."""
         self._home = at
+        self._epoch = 0
+        self._shift = _STILL
+        self._events: list[VehicleEvent] = []
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
@@ -69,13 +108,155 @@ class FakeVehicle:
         self._turning = 0.0
         self._target = _STILL
         self._setpoint: Setpoint = Hold()
-        self._orders = Orders()
 
-    @property
-    def name(self) -> str:
-        return self._name
+    # What may happen to it.
 
-    def observe(self) -> Observation:
+    def tell(self, name: str, **fields: Any) -> None:
+        """Let it post an event with its next observation."""
+        self._events.append(VehicleEvent(name, fields))
+
+    def jump(self, shift: Point) -> None:
+        """Let the origin of its world frame jump: everything is ``shift`` away from where it was
+        said to be, though nothing has moved.
+        """
+        self._epoch += 1
+        self._shift = self._shift.plus(shift)
+        self.position = self.position.plus(shift)
+        self._home = self._home.plus(shift)
+        self._target = self._target.plus(shift)
+
+    # What carries out each verb, at the beginning of the next period.
+
+    def send(self, verb: str, *arguments: Any) -> Order:
+        self.verbs.append(verb)
+        return super().send(verb, *arguments)
+
+    def begin_period(self, heard: bool = True) -> None:
+        """See BaseVehicle; the next verb is refused where a test asks for that."""
+        if heard and self.refuse_next is not None:
+            for order in self.orders.take():
+                order.state, order.reason = "refused", self.refuse_next or ""
+                self.refuse_next = None
+        super().begin_period(heard)
+
+    def _decide_arm(self) -> Decision:
+        empty = ("the battery is empty",) if self.battery <= 0 else ()
+        if not self._armed and self.health + empty:
+            return refused(", ".join(self.health + empty))
+        self._armed = True
+        return DONE
+
+    def _decide_disarm(self) -> Decision:
+        if self._armed and self.position.z > 0:
+            return refused("the vehicle is in the air")
+        self._stop_motors("the motors were stopped")
+        return DONE
+
+    def _decide_takeoff(self, altitude: float) -> Decision:
+        if self._mode in ("flying", "returning") and self.position.z > 0:
+            return DONE
+        if self._mode == "stopped":
+            return refused("the motors were stopped in the air")
+        if not 0 < altitude <= self.limits["max_altitude"]:
+            return refused(f"{altitude:g} m is no altitude to rise to")
+        armed = self._decide_arm()
+        if armed is not DONE:
+            return armed
+        self._target = self.position._replace(z=altitude)
+        self._mode = "taking-off"
+        return UNDER_WAY
+
+    def _decide_land(self) -> Decision:
+        if self._mode == "landed":
+            self._armed = False
+            return DONE
+        if self._mode == "stopped":
+            return refused("the motors are stopped")
+        self._mode = "landing"
+        return UNDER_WAY
+
+    def _decide_return_home(self) -> Decision:
+        if self._mode == "landed" and horizontal_distance(self.position, self._home) < 0.5:
+            return DONE
+        if self._mode in ("landed", "stopped"):
+            return refused("the motors are stopped")
+        self._target = self._home._replace(z=max(self.position.z, self._home.z + _RETURN_HEIGHT))
+        self._mode = "returning"
+        return UNDER_WAY
+
+    def _decide_emergency_stop(self) -> Decision:
+        if self._armed:
+            self._stop_motors("the motors were stopped")
+        return DONE
+
+    def _decide_reset(self) -> Decision:
+        return DONE if self._mode == "landed" else refused("the vehicle is in the air")
+
+    def _decide_trim(self) -> Decision:
+        idle = self._mode == "landed" and not self._armed
+        return DONE if idle else refused("the motors are running")
+
+    def _decide_lights(self, lights: Lights) -> Decision:
+        self.shown.append(lights)
+        return DONE
+
+    def _stop_motors(self, reason: str = "") -> None:
+        self._armed = False
+        self.orders.end(reason)
+        self._mode = "stopped" if self.position.z > 0 else "landed"
+
+    # Set-points.
+
+    def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
+        answer = super().command(setpoint, valid_for)
+        self.commands.append(setpoint)
+        return answer
+
+    def refusal(self) -> str:
+        """See BaseVehicle."""
+        if self.authority != "mission":
+            return self.authority_reason or f"the {self.authority} has authority"
+        if self._mode == "stopped":
+            return "the motors are stopped"
+        grounded = self.position.z <= 0 and self._mode != "flying"
+        return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
+
+    def fly(self, setpoint: Setpoint) -> None:
+        """See BaseVehicle."""
+        self._setpoint, self._mode = setpoint, "flying"
+
+    def configure(self, limits: Limits) -> Answer:
+        """See the contract. Raises UserError (``bad-limit``)."""
+        wanted = self.limits | limits.given()
+        if wanted["min_altitude"] >= wanted["max_altitude"]:
+            return Answer(False, "the lowest altitude is above the highest")
+        self.limits = wanted
+        return ACCEPTED
+
+    # Time.
+
+    def advance(self, now: float, step: float = PERIOD) -> None:
+        """Live through the mission period of ``step`` seconds that ends at ``now``."""
+        deaf = self.silent or self.gone
+        self.begin_period(heard=not deaf)
+        self._time = now
+        if self.battery <= 0 and self._armed:
+            self._stop_motors("the battery is empty")
+        before, self._turning = self.position, 0.0
+        if self._mode != "landed":
+            after = self._moved(step).plus(_times(self.wind, step))
+            self.position = before if self.stuck else after._replace(z=max(0.0, after.z))
+        self._velocity = _times(self.position.minus(before), 1 / step)
+        self._reach()
+        self.link_age = self.link_age + step if deaf else self.link_age
+        self.end_period(self._observed(deaf))
+
+    def _observed(self, deaf: bool) -> Observation:
+        link = link_of(self.link_age, self.gone)
+        if deaf:
+            last = self.observe()
+            return last._replace(time=self._time, link_age=self.link_age, link=link, events=())
+        events, self._events = tuple(self._events), []
         return Observation(
             time=self._time,
             position=self.position,
@@ -90,162 +271,73 @@ class FakeVehicle:
             home=self._home,
             health=self.health,
             link_age=self.link_age,
+            link=link,
+            authority=self.authority,
+            authority_reason=self.authority_reason,
+            epoch=self._epoch,
+            origin_shift=self._shift,
+            events=events,
         )
 
-    # Verbs.
-
-    def arm(self) -> Order:
-        refused = self._refused("arm")
-        if refused:
-            return refused
-        self._armed = True
-        return Order("arm", "done")
-
-    def disarm(self) -> Order:
-        refused = self._refused("disarm")
-        if refused:
-            return refused
-        if self._armed and self.position.z > 0:
-            return Order("disarm", "refused", "the vehicle is in the air")
-        self._stop_motors("the motors were stopped")
-        return Order("disarm", "done")
-
-    def takeoff(self, altitude: float) -> Order:
-        if order := self._refused("takeoff") or self._orders.get("takeoff"):
-            return order
-        if self._mode in ("flying", "returning") and self.position.z > 0:
-            return Order("takeoff", "done")
+    def _moved(self, step: float) -> Point:
+        """Where its own motors, or the lack of them, take it in ``step`` seconds."""
         if self._mode == "stopped":
-            return Order("takeoff", "refused", "the motors were stopped in the air")
-        if not 0 < altitude <= self.limits["max_altitude"]:
-            return Order("takeoff", "refused", f"{altitude:g} m is no altitude to rise to")
-        self._armed = True
-        self._target = self.position._replace(z=altitude)
-        return self._begin("takeoff", "taking-off")
-
-    def land(self) -> Order:
-        if order := self._refused("land") or self._orders.get("land"):
-            return order
-        if self._mode == "landed":
-            self._armed = False
-            return Order("land", "done")
-        if self._mode == "stopped":
-            return Order("land", "refused", "the motors are stopped")
-        return self._begin("land", "landing")
-
-    def return_home(self) -> Order:
-        if order := self._refused("return_home") or self._orders.get("return_home"):
-            return order
-        if self._mode == "landed" and horizontal_distance(self.position, self._home) < 0.5:
-            return Order("return_home", "done")
-        if self._mode in ("landed", "stopped"):
-            return Order("return_home", "refused", "the motors are stopped")
-        self._target = self._home._replace(z=max(self.position.z, self._home.z + _RETURN_HEIGHT))
-        return self._begin("return_home", "returning")
-
-    def emergency_stop(self) -> Order:
-        self.verbs.append("emergency_stop")
-        if self._armed:
-            self._stop_motors("the motors were stopped")
-        return Order("emergency_stop", "done")
-
-    def _refused(self, verb: str) -> Order | None:
-        """Note a verb; the refusal it meets, if any."""
-        self.verbs.append(verb)
-        reason, self.refusal = self.refusal, None
-        if reason is None and verb in ("arm", "takeoff") and self._mode in ("landed", "landing"):
-            empty = ("the battery is empty",) if self.battery <= 0 else ()
-            reason = ", ".join(self.health + empty) or None
-        return Order(verb, "refused", reason) if reason else None
-
-    def _begin(self, verb: str, mode: str) -> Order:
-        self._mode = mode
-        return self._orders.begin(verb)
-
-    def _stop_motors(self, reason: str = "") -> None:
-        self._armed = False
-        self._orders.end(reason)
-        self._mode = "stopped" if self.position.z > 0 else "landed"
-
-    # Commands.
-
-    def command(self, setpoint: Setpoint) -> None:
-        self.commands.append(setpoint)
-        if self._mode in ("landed", "stopped") or (self.position.z <= 0 and self._mode != "flying"):
-            return
-        self._orders.end("ended by a command")
-        self._mode = "flying"
-        self._setpoint = setpoint
-
-    def configure(self, limits: Limits) -> None:
-        """Change limits in flight. Raises UserError (``bad-limit``)."""
-        self.limits |= limits.given()
-
-    def camera(self, name: str) -> Camera:
-        raise Unavailable(f"the vehicle has no camera '{name}'")
-
-    def sensor(self, name: str) -> Sensor:
-        raise Unavailable(f"the vehicle has no sensor '{name}'")
-
-    def send_vision_pose(self, pose: VisionPose) -> None:
-        raise Unavailable("the vehicle takes no vision poses")
-
-    # Time.
-
-    def advance(self, time: float) -> None:
-        """Live through the mission period that ends at a time."""
-        self._time = time
-        if self.battery <= 0 and self._armed:
-            self._stop_motors("the battery is empty")
-        before, self._turning = self.position, 0.0
-        if self._mode != "landed":
-            after = self._moved().plus(_times(self.wind, PERIOD))
-            self.position = before if self.stuck else after._replace(z=max(0.0, after.z))
-        self._velocity = _times(self.position.minus(before), 1 / PERIOD)
-        self._reach()
-
-    def _moved(self) -> Point:
-        """Where its own motors, or the lack of them, take it."""
-        setpoint = self._setpoint
-        if self._mode == "stopped":
-            return self.position.plus((0.0, 0.0, -_FALL * PERIOD))
+            return self.position.plus((0.0, 0.0, -_FALL * step))
         if self._mode == "landing":
-            return self._towards(self.position._replace(z=0.0))
+            return self._towards(self.position._replace(z=0.0), step)
         if self._mode in ("taking-off", "returning"):
-            return self._towards(self._target)
-        if isinstance(setpoint, Hold):
-            return self.position
-        if isinstance(setpoint, Position):
-            if setpoint.yaw is not None:
-                self._turn(wrap(setpoint.yaw - self.yaw) / PERIOD)
-            else:
-                self._turn(setpoint.yaw_rate or 0.0)
-            return self._towards(Point(*setpoint.xyz))
-        x, y = setpoint.x, setpoint.y
-        if setpoint.frame == "heading":
-            x, y = rotate_xy(x, y, self.yaw)
-        self._turn(setpoint.yaw_rate)
-        return self._towards(self.position.plus(_times(Point(x, y, setpoint.z), PERIOD)))
+            return self._towards(self._target, step)
+        match self._setpoint:
+            case Position() as place:
+                if place.yaw is not None:
+                    self._turn(wrap(place.yaw - self.yaw) / step, step)
+                else:
+                    self._turn(place.yaw_rate or 0.0, step)
+                return self._towards(Point(*place.xyz), step)
+            case Velocity(x, y, z, frame, yaw_rate):
+                if frame == "heading":
+                    x, y = rotate_xy(x, y, self.yaw)
+                self._turn(yaw_rate, step)
+                return self._towards(self.position.plus(_times(Point(x, y, z), step)), step)
+            case Attitude() as tilt:
+                return self._tilted(tilt, step)
+        return self.position
 
-    def _turn(self, rate: float) -> None:
+    def _tilted(self, setpoint: Attitude, step: float) -> Point:
+        """It speeds up as its tilt makes it, without drag."""
+        limits, share = self.limits, setpoint.unit == "share"
+        most = limits["max_tilt"]
+        roll, pitch = (
+            max(-most, min(most, angle * most if share else angle))
+            for angle in (setpoint.roll, setpoint.pitch)
+        )
+        climb = setpoint.climb * limits["max_climb"] if share else setpoint.climb
+        self._turn(setpoint.yaw_rate * (limits["max_yaw_rate"] if share else 1.0), step)
+        pull = rotate_xy(_GRAVITY * tan(pitch), -_GRAVITY * tan(roll), self.yaw)
+        x, y = self._velocity.x + pull[0] * step, self._velocity.y + pull[1] * step
+        return self._towards(self.position.plus(_times(Point(x, y, climb), step)), step)
+
+    def _turn(self, rate: float, step: float) -> None:
         most = self.limits["max_yaw_rate"]
         self._turning = max(-most, min(most, rate))
-        self.yaw = wrap(self.yaw + self._turning * PERIOD)
+        self.yaw = wrap(self.yaw + self._turning * step)
 
-    def _towards(self, place: Point) -> Point:
+    def _towards(self, place: Point, step: float) -> Point:
         """The next position on the way to a place, within the limits."""
         limits = self.limits
         x, y, z = place.minus(self.position)
+        if self._mode == "flying":
+            z = max(z, limits["min_altitude"] - self.position.z)
         z = min(z, limits["max_altitude"] - self.position.z)
-        far, most = hypot(x, y), limits["max_speed"] * PERIOD
-        most_up = limits["max_climb"] * PERIOD
+        far, most = hypot(x, y), limits["max_speed"] * step
+        most_up = limits["max_climb"] * step
         share = most / far if far > most else 1.0
         return self.position.plus((x * share, y * share, max(-most_up, min(most_up, z))))
 
     def _reach(self) -> None:
         """Enter the next mode where the present one has got to its end."""
         if self._mode == "taking-off" and abs(self.position.z - self._target.z) < 1e-6:
-            self._orders.end()
+            self.orders.end()
             self._mode, self._setpoint = "flying", Hold()
         elif self._mode == "returning" and horizontal_distance(self.position, self._home) < 1e-6:
             self._mode = "landing"
@@ -253,31 +345,39 @@ class FakeVehicle:
             self._stop_motors()
 
 
-class FakeSession:
+class FakeSession(BaseSession[FakeVehicle]):
     """Fake vehicles, 2 m apart along x, in lockstep (see :class:`hal.vehicle.Session`)."""
 
     engine = "fake"
 
     def __init__(
-        self, names: tuple[str, ...] = ("drone",), places: Mapping[str, Point] | None = None
+        self,
+        names: tuple[str, ...] = ("drone",),
+        places: Mapping[str, Point] | None = None,
+        options: Options | None = None,
     ) -> None:
-        self.places = MappingProxyType(dict(places or {}))
-        self.vehicles = MappingProxyType(
-            {name: FakeVehicle(name, Point(2.0 * k, 0.0, 0.0)) for k, name in enumerate(names)}
+        super().__init__(
+            FakeVehicle(name, Point(2.0 * place, 0.0, 0.0)) for place, name in enumerate(names)
         )
-        self.geographic: tuple[float, float, float] | None = None
-        self._count = 0
+        self.places = MappingProxyType(dict(places or {}))
+        self.late = 0.0
+        """Seconds by which the next period comes late; used up by it."""
+        self._options = options or Options()
+        self._lateness = 0.0
+        """Seconds by which all periods so far came late."""
 
-    def wait(self) -> None:
-        self._count += 1
+    def wait(self) -> float:
+        """See the contract. Raises VehicleError for a vehicle that is silent from the start."""
+        if self.periods == 0:
+            for vehicle in self.vehicles.values():
+                if vehicle.silent:
+                    raise not_heard(vehicle.name, self._options)
+        self.periods += 1
+        step, self.late = PERIOD + self.late, 0.0
+        self._lateness += step - PERIOD
         for vehicle in self.vehicles.values():
-            vehicle.advance(self._count / 40)
-
-    def __enter__(self) -> FakeSession:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        pass
+            vehicle.advance(self.periods / PERIODS_PER_SECOND + self._lateness, step)
+        return step
 
 
 def _times(vector: Point, factor: float) -> Point:

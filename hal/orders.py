@@ -1,28 +1,141 @@
-"""The orders that a vehicle is carrying out."""
+"""Orders: what a vehicle was told by a verb, and what became of it.
+
+An order changes only inside the session's ``wait()``::
+
+    sent ──► accepted ──► done
+      │          ├──────► refused   the vehicle says no, or another order or a set-point ended it
+      │          └──────► lost      nothing was heard of it in time
+      ├──► done                     what is already so
+      ├──► refused
+      └──► lost
+
+:class:`Orders` keeps that rule for backends; :class:`hal.base.BaseVehicle` joins it to the verbs.
+"""
 
 from __future__ import annotations
 
-from hal.vehicle import Order
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
+
+OrderState = Literal["sent", "accepted", "done", "refused", "lost"]
+
+ANSWER_WITHIN = 3.0
+"""Seconds of the session's clock after which an order that was not answered is lost."""
+DONE_WITHIN: Mapping[str, float] = MappingProxyType(
+    {
+        "arm": 5.0,
+        "disarm": 5.0,
+        "takeoff": 60.0,
+        "land": 300.0,
+        "return_home": 600.0,
+        "emergency_stop": 5.0,
+        "reset": 30.0,
+        "trim": 10.0,
+        "lights": 5.0,
+    }
+)
+"""Seconds after which an order that is not done is lost, by verb."""
+
+MANOEUVRES = frozenset({"takeoff", "land", "return_home"})
+"""Orders that the vehicle flies by itself; a set-point ends them."""
+
+
+@dataclass(slots=True, eq=False)
+class Order:
+    """A verb that was sent to a vehicle; behaviours poll its ``state``."""
+
+    verb: str
+    arguments: tuple[Any, ...] = ()
+    state: OrderState = "sent"
+    reason: str = ""
+    """Why it was refused or lost, in the autopilot's words where there are some."""
+    sent_at: float | None = None
+    """Session's time of the first period that knew of it, seconds; kept by the backend."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether it will change no more."""
+        return self.state in ("done", "refused", "lost")
+
+
+class Decision(NamedTuple):
+    """What a vehicle does about an order."""
+
+    state: Literal["accepted", "done", "refused"]
+    reason: str = ""
+
+
+UNDER_WAY, DONE = Decision("accepted"), Decision("done")
+
+
+def refused(reason: str) -> Decision:
+    """The decision not to do it."""
+    return Decision("refused", reason)
 
 
 class Orders:
-    """What is under way, by verb. A new order takes the place of those before it."""
+    """The orders of one vehicle: sent ones wait here for the backend to decide in ``wait()``."""
 
     def __init__(self) -> None:
+        self._sent: list[Order] = []
         self._under_way: dict[str, Order] = {}
 
+    def send(self, verb: str, *arguments: Any) -> Order:
+        """Take down a verb. One that is already sent or under way is that order again."""
+        last = self._sent[-1] if self._sent else self._under_way.get(verb)
+        again = last is not None and last.verb == verb and not last.reason
+        if last is not None and again and (last.state == "accepted" or last.arguments == arguments):
+            return last
+        order = Order(verb, arguments)
+        self._sent.append(order)
+        return order
+
+    def supersede(self, reason: str) -> None:
+        """A set-point came after what was sent in this period: orders to fly count no more."""
+        for order in self._sent:
+            if order.verb in MANOEUVRES:
+                order.reason = reason
+
+    def take(self) -> list[Order]:
+        """The orders to decide on now, in the sequence in which they were sent."""
+        sent, self._sent = self._sent, []
+        for order in sent:
+            if order.reason:
+                order.state = "refused"
+        return [order for order in sent if not order.ended]
+
     def get(self, verb: str) -> Order | None:
-        """The order of that verb, if it is under way."""
+        """The accepted order of that verb, if it is under way."""
         return self._under_way.get(verb)
 
-    def begin(self, verb: str) -> Order:
-        """Accept a new order."""
-        self.end(f"ended by: {verb}")
-        order = self._under_way[verb] = Order(verb, "accepted")
-        return order
+    def accept(self, order: Order) -> None:
+        """The vehicle carries it out; whatever was under way ends."""
+        self.end(f"ended by: {order.verb}")
+        order.state = "accepted"
+        self._under_way[order.verb] = order
 
     def end(self, reason: str = "") -> None:
         """All that is under way is done or, with a reason, refused."""
         for order in self._under_way.values():
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
         self._under_way.clear()
+
+    def expire(self, now: float) -> None:
+        """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
+        for order in self._sent:
+            if _age(order, now) >= ANSWER_WITHIN:
+                order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"
+        self._sent = [order for order in self._sent if not order.ended]
+        for verb, order in list(self._under_way.items()):
+            if _age(order, now) >= DONE_WITHIN[verb]:
+                order.state, order.reason = "lost", f"not done within {DONE_WITHIN[verb]:g} s"
+                del self._under_way[verb]
+
+
+def _age(order: Order, now: float) -> float:
+    """Seconds since the period in which an order was sent."""
+    if order.sent_at is None:
+        order.sent_at = now
+    return now - order.sent_at

@@ -1,9 +1,11 @@
 """The contract of a vehicle: what it reports and what it can be told.
 
-Every backend (simulator, MAVLink, a test's fake) offers exactly this. Positions and velocities are
-ENU metres about the *world* origin (the world file's origin in the simulator, the autopilot's local
-origin on a real vehicle); body values are FLU; times are seconds of the vehicle's own clock.
-No method blocks: verbs return an :class:`Order` to poll, commands hold until the next one.
+Every backend (simulator, MAVLink, a test's fake) offers exactly this; docs/backends.md tells how
+to write one. Positions and velocities are ENU metres about the *world* origin (the world file's
+origin in the simulator, the autopilot's local origin on a real vehicle); body values are FLU; times
+are seconds of the session's clock, one for all its vehicles. Nothing is known before the first
+:meth:`Session.wait`, and nothing changes but inside ``wait()``. No other method blocks: verbs
+return an :class:`~hal.orders.Order` to poll, and a set-point is valid for a short time only.
 """
 
 from __future__ import annotations
@@ -11,9 +13,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, tan
-from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-from vencejo.errors import UserError
+from hal.lights import Lights
+from hal.limits import Limits
+from hal.orders import Order
 from vencejo.geometry import Point, Quaternion
 
 if TYPE_CHECKING:
@@ -21,15 +25,40 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-PERIOD = 0.025
-"""The mission period, seconds: every backend's session waits from one to the next (40 Hz)."""
+PERIODS_PER_SECOND = 40
+PERIOD = 1 / PERIODS_PER_SECOND
+"""The mission period, seconds: every backend's session waits from one to the next."""
+VALIDITY = 0.2
+"""Seconds for which a set-point is flown unless it is given anew; then the backend holds."""
+
+Link = Literal["alive", "old", "lost", "gone"]
+"""Of a link: heard just now; silent for OLD_AFTER; for LOST_AFTER; closed, and not coming back."""
+OLD_AFTER, LOST_AFTER = 1.0, 3.0
+"""Seconds of silence."""
+Authority = Literal["operator", "mission", "autopilot", "none"]
+"""Whose commands the vehicle follows: a person's (at a remote control or ground station), ours, the
+autopilot's own (a failsafe), or nobody's (its motors are stopped for good)."""
+
+
+def link_of(age: float, gone: bool = False) -> Link:
+    """The state of a link that was last heard ``age`` seconds ago, or is ``gone`` for good."""
+    if gone:
+        return "gone"
+    return "lost" if age > LOST_AFTER else "old" if age > OLD_AFTER else "alive"
+
+
+class VehicleEvent(NamedTuple):
+    """Something a vehicle tells by itself: ``operator.takeover``, ``vehicle.collision``, …"""
+
+    name: str
+    fields: Mapping[str, Any] = {}
 
 
 class Observation(NamedTuple):
     """What is known of a vehicle at one moment; never changes once given."""
 
     time: float
-    """Seconds of the vehicle's clock."""
+    """Seconds of the session's clock, which never goes back and never stands still."""
     position: Point
     """World frame, metres."""
     velocity: Point
@@ -53,10 +82,18 @@ class Observation(NamedTuple):
     health: tuple[str, ...] = ()
     """What keeps it from flying, in plain words; empty when all is well."""
     link_age: float = 0.0
-    """Seconds since the vehicle was last heard."""
-    touched: tuple[str, ...] = ()
-    """Names of the things and vehicles it has begun to touch in this period, beside what carries
-    it; a vehicle that cannot feel says nothing."""
+    """Seconds since the vehicle was last heard; all else is as it was then."""
+    link: Link = "alive"
+    authority: Authority = "mission"
+    authority_reason: str = ""
+    """Why it is not the mission's, in the autopilot's words where there are some."""
+    epoch: int = 0
+    """Counts the jumps of the world frame's origin (the estimator was reset)."""
+    origin_shift: Point = Point(0.0, 0.0, 0.0)
+    """Where what stood at the origin of epoch 0 is now, world frame."""
+    events: tuple[VehicleEvent, ...] = ()
+    """What the vehicle told in this period, for instance ``vehicle.collision`` for each thing it
+    has begun to touch beside what carries it."""
 
 
 class Velocity(NamedTuple):
@@ -83,54 +120,59 @@ class Position(NamedTuple):
     yaw_rate: float | None = None
 
 
+class Attitude(NamedTuple):
+    """Fly by tilt, for a vehicle with the capability ``attitude``.
+
+    With ``unit="share"`` roll, pitch, climb and yaw rate are shares (−1 to 1) of the configured
+    limits, as an AR.Drone is flown; with ``"si"`` they are radians, m/s and rad/s. The tilt and the
+    yaw rate are bound by the limits, a climb by those of climb and altitude.
+    """
+
+    roll: float = 0.0
+    """Right side down; flies to the right."""
+    pitch: float = 0.0
+    """Nose down; flies forward."""
+    climb: float = 0.0
+    thrust: float | None = None
+    """Share (0 to 1) of the largest thrust, instead of ``climb``; no limit of altitude holds then.
+    """
+    yaw_rate: float = 0.0
+    """Counter-clockwise."""
+    unit: Literal["si", "share"] = "si"
+
+
 @dataclass(frozen=True, slots=True)
 class Hold:
     """Stop, and stay where that happens."""
 
 
-Setpoint = Velocity | Position | Hold
+Setpoint = Velocity | Position | Attitude | Hold
 
 
-@dataclass(slots=True)
-class Order:
-    """What became of a verb. ``sent`` → ``accepted`` → ``done``, or ``refused`` with a reason.
-
-    An order that another one or a set-point ended is refused too; the reason says by what.
-    """
-
-    verb: str
-    state: Literal["sent", "accepted", "refused", "done"] = "sent"
-    reason: str = ""
-    """Why it was refused, in the autopilot's words."""
-
-    @property
-    def ended(self) -> bool:
-        return self.state in ("refused", "done")
+def is_finite(setpoint: Setpoint) -> bool:
+    """Whether every number of a set-point is finite."""
+    numbers: list[float | None]
+    match setpoint:
+        case Velocity():
+            numbers = [setpoint.x, setpoint.y, setpoint.z, setpoint.yaw_rate]
+        case Position():
+            numbers = [*setpoint.xyz, *(setpoint.velocity or ()), setpoint.yaw, setpoint.yaw_rate]
+        case Attitude():
+            numbers = [*setpoint[:5]]
+        case Hold():
+            numbers = []
+    return all(number is None or isfinite(number) for number in numbers)
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
-    """Settings that can be changed in flight; None leaves a limit as it is."""
+class Answer:
+    """What a vehicle says at once to a set-point or to limits: accepted, or refused and why."""
 
-    max_speed: float | None = None
-    """Over the ground, m/s."""
-    max_climb: float | None = None
-    """Up or down, m/s."""
-    max_tilt: float | None = None
-    """Radians from upright."""
-    max_yaw_rate: float | None = None
-    """rad/s."""
-    max_altitude: float | None = None
-    """World frame, metres."""
+    accepted: bool = True
+    reason: str = ""
 
-    def given(self) -> dict[str, float]:
-        """Those to change, by name. Raises UserError (``bad-limit``)."""
-        found = {name: getattr(self, name) for name in self.__slots__}
-        found = {name: value for name, value in found.items() if value is not None}
-        for name, value in found.items():
-            if not (isfinite(value) and value > 0):
-                raise UserError("bad-limit", f"'{name}' must be a number above 0, not {value:g}")
-        return found
+
+ACCEPTED = Answer()
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +258,9 @@ class Unavailable(LookupError):
 
 @runtime_checkable
 class Vehicle(Protocol):
-    """One vehicle. All verbs are idempotent: what is already so is ``done`` at once."""
+    """One vehicle. Verbs are idempotent: what is under way is that order again, and what is so
+    already is ``done`` after the next ``wait()``. A verb that it cannot do raises Unavailable.
+    """
 
     @property
     def name(self) -> str: ...
@@ -225,8 +269,15 @@ class Vehicle(Protocol):
     def capabilities(self) -> frozenset[str]:
         """Words such as ``position``, ``velocity``, ``arm``, ``takeoff``, ``camera.front``."""
 
+    @property
+    def profiles(self) -> Mapping[str, Limits]:
+        """Named limits of the vehicle's model (``indoor``, ``outdoor``), altitudes above home."""
+
     def observe(self) -> Observation:
-        """The state at the present mission period."""
+        """The state at the present mission period.
+
+        Raises RuntimeError before the first ``wait()``, when nothing is known.
+        """
 
     def arm(self) -> Order:
         """Start the motors. Refused while ``health`` says why not."""
@@ -249,10 +300,22 @@ class Vehicle(Protocol):
     def emergency_stop(self) -> Order:
         """Stop the motors at once, wherever it is."""
 
-    def command(self, setpoint: Setpoint) -> None:
-        """Fly this set-point until the next. Ends a take-off, a landing or a return under way.
+    def reset(self) -> Order:
+        """Leave the emergency state on the ground, so that it can take off again."""
 
-        Ignored on the ground.
+    def trim(self) -> Order:
+        """Take the present attitude as level, on the ground with the motors off."""
+
+    def lights(self, lights: Lights) -> Order:
+        """Show a pattern on the vehicle's lamps."""
+
+    def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
+        """Fly this set-point from the next period on; the last one of a period counts.
+
+        It ends a take-off, a landing or a return under way. After ``valid_for`` seconds without a
+        new one the vehicle holds, whoever hangs: counted by the session's clock in a simulator, by
+        the wall clock on a link. Refused on the ground, while somebody else has authority, and for
+        a kind that its capabilities lack. Raises ValueError for numbers that are not finite.
         """
 
     def camera(self, name: str) -> Camera:
@@ -264,12 +327,15 @@ class Vehicle(Protocol):
     def send_vision_pose(self, pose: VisionPose) -> None:
         """Hand a measured pose to the estimator. Raises Unavailable."""
 
-    def configure(self, limits: Limits) -> None:
-        """Change limits in flight."""
+    def configure(self, limits: Limits) -> Answer:
+        """Change limits in flight, all of those given or none; refused with the reason.
+
+        Raises UserError (``bad-limit``) for numbers that are no limits.
+        """
 
 
 class Session(Protocol):
-    """An open backend: its vehicles, in lockstep."""
+    """An open backend: its vehicles, in lockstep, with one clock."""
 
     @property
     def vehicles(self) -> Mapping[str, Vehicle]: ...
@@ -286,10 +352,13 @@ class Session(Protocol):
     def geographic(self) -> tuple[float, float, float] | None:
         """Latitude, longitude (degrees) and altitude (m) of the world frame's zero, if known."""
 
-    def wait(self) -> None:
-        """Advance to the next mission period: physics is stepped, a real link waits.
+    def wait(self) -> float:
+        """Advance to the next mission period; the step that made, seconds.
 
-        Raises VehicleError when the link or the simulator is gone.
+        A simulator steps its physics and always makes one PERIOD; a real link waits, and where
+        nothing is heard its clock goes on by the wall clock. The first call waits for the vehicles
+        to be heard. Raises VehicleError when one is not heard within ``Options.connect_timeout``,
+        and when the simulator is gone; a link that is lost later is told by observations.
         """
 
     def __enter__(self) -> Session: ...
@@ -307,5 +376,7 @@ class Options:
     seed: int = 0
     address: str | None = None
     """Where a real vehicle is reached; the simulator has none."""
+    connect_timeout: float = 10.0
+    """Seconds within which every vehicle must have been heard."""
     settings: Mapping[str, object] = field(default_factory=dict)
     """What only one backend knows, for instance the simulator's ``noise``."""

@@ -43,7 +43,7 @@ class Scalar:
 class Sequence:
     """A list."""
 
-    items: list[Node]
+    items: list[YamlNode]
     where: Where
 
 
@@ -51,23 +51,23 @@ class Sequence:
 class Mapping:
     """A map in the order of the file, its keys as written."""
 
-    entries: list[tuple[Scalar, Node]]
+    entries: list[tuple[Scalar, YamlNode]]
     where: Where
 
-    def get(self, key: str) -> Node | None:
+    def get(self, key: str) -> YamlNode | None:
         for name, value in self.entries:
             if name.text == key:
                 return value
         return None
 
-    def __iter__(self) -> Iterator[tuple[Scalar, Node]]:
+    def __iter__(self) -> Iterator[tuple[Scalar, YamlNode]]:
         return iter(self.entries)
 
 
-Node = Scalar | Sequence | Mapping
+YamlNode = Scalar | Sequence | Mapping
 
 
-def kind(node: Node) -> str:
+def kind(node: YamlNode) -> str:
     """What a node is, in a person's words."""
     if isinstance(node, Mapping):
         return "a map"
@@ -130,7 +130,7 @@ class _Open:
     first_node: int
     key: Scalar | None = None
     seen: dict[str, Where] = field(default_factory=dict)
-    merged: list[tuple[Scalar, Node]] = field(default_factory=list)
+    merged: list[tuple[Scalar, YamlNode]] = field(default_factory=list)
 
 
 class _Builder:
@@ -141,10 +141,10 @@ class _Builder:
         self.text = text
         self.count = 0
         self.open: list[_Open] = []
-        self.anchors: dict[str, tuple[Node, int]] = {}
-        self.root: Node | None = None
+        self.anchors: dict[str, tuple[YamlNode, int]] = {}
+        self.root: YamlNode | None = None
 
-    def build(self) -> Node | None:
+    def build(self) -> YamlNode | None:
         try:
             for event in yaml.parse(self.text, Loader=_PARSER):
                 self._take(event)
@@ -216,7 +216,7 @@ class _Builder:
                 "remove it; a text that begins with '!' needs quotes, and a negation is `not`",
             )
 
-    def _add(self, node: Node, anchor: str | None, size: int) -> None:
+    def _add(self, node: YamlNode, anchor: str | None, size: int) -> None:
         if anchor is not None:
             self.anchors[anchor] = (node, size)
         if not self.open:
@@ -234,7 +234,7 @@ class _Builder:
             else:
                 parent.node.entries.append((key, node))
 
-    def _key(self, node: Node, parent: _Open) -> Scalar:
+    def _key(self, node: YamlNode, parent: _Open) -> Scalar:
         if not isinstance(node, Scalar):
             raise UserError(
                 "bad-key",
@@ -254,10 +254,10 @@ class _Builder:
         return node
 
 
-def _merged(node: Node) -> list[tuple[Scalar, Node]]:
+def _merged(node: YamlNode) -> list[tuple[Scalar, YamlNode]]:
     """The entries that ``<<`` brings in; of several maps the earlier one wins."""
     sources = node.items if isinstance(node, Sequence) else [node]
-    entries: list[tuple[Scalar, Node]] = []
+    entries: list[tuple[Scalar, YamlNode]] = []
     names: set[str] = set()
     for source in sources:
         if not isinstance(source, Mapping):

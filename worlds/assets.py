@@ -9,7 +9,7 @@ from pathlib import Path
 from zlib import crc32
 
 from vencejo.errors import UserError, nearest
-from vencejo.nodes import Node
+from vencejo.nodes import YamlNode
 from worlds.things import Image
 from worlds.values import TEXT, Value
 
@@ -45,7 +45,7 @@ def _png_is_whole(data: bytes) -> bool:
     return False
 
 
-def _image(node: Node) -> Image:
+def _image(node: YamlNode) -> Image:
     path = file_of(node)
     problem = image_problem(path)
     if problem is not None:
@@ -53,7 +53,7 @@ def _image(node: Node) -> Image:
     return Image(path)
 
 
-def file_of(node: Node) -> Path:
+def file_of(node: YamlNode) -> Path:
     """The path of the file that a text names, from the world file's folder.
 
     Raises UserError (``no-such-file``, ``wrong-type``).

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 from vencejo.errors import UserError, Where
-from vencejo.nodes import Node, Sequence
+from vencejo.nodes import Sequence, YamlNode
 from vencejo.units import ANGLE, LENGTH
 from worlds.assets import IMAGE
 from worlds.colors import COLORS
@@ -88,7 +88,7 @@ _START = record(
 )
 
 
-def _starts(node: Node) -> list[tuple[Where, Spot, float]]:
+def _starts(node: YamlNode) -> list[tuple[Where, Spot, float]]:
     if isinstance(node, Sequence) and not node.items:
         raise UserError("wrong-type", "an empty list of starts", node.where, "write {at: [0, 0]}")
     items = node.items if isinstance(node, Sequence) else [node]

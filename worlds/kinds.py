@@ -7,7 +7,7 @@ from typing import Any
 
 from vencejo.errors import UserError
 from vencejo.geometry import Point
-from vencejo.nodes import Node
+from vencejo.nodes import YamlNode
 from worlds import curves, figures
 from worlds.assets import IMAGE, file_of
 from worlds.colors import COLORS
@@ -75,7 +75,7 @@ def _mesh(file: Mesh, scale: float, color: Color) -> tuple[Part, ...]:
     return (Part(shape, Point(0.0, 0.0, 0.0), UPRIGHT, color),)
 
 
-def _read_mesh(node: Node) -> Mesh:
+def _read_mesh(node: YamlNode) -> Mesh:
     from worlds.mesh_files import load_mesh  # late: it needs numpy
 
     path = file_of(node)
@@ -85,7 +85,7 @@ def _read_mesh(node: Node) -> Mesh:
         raise UserError("bad-mesh", f"'{path}' is no mesh: {error}", node.where) from None
 
 
-def _read_model(node: Node) -> tuple[Part, ...]:
+def _read_model(node: YamlNode) -> tuple[Part, ...]:
     from worlds.model_files import load_model  # late: it needs numpy
 
     path = file_of(node)

@@ -13,7 +13,7 @@ from typing import Any
 from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where
 from vencejo.geometry import Point, horizontal_distance
-from vencejo.nodes import Node, Scalar, read_file, read_text
+from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
 from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.kinds import BEACON, KINDS
@@ -54,7 +54,7 @@ def read_world(text: str, name: str) -> World:
     return _world(read_text(text, name), Path(name), text, ())
 
 
-def _files(node: Node) -> Iterator[Path]:
+def _files(node: YamlNode) -> Iterator[Path]:
     """The images, meshes and models that a world file names and that exist."""
     if isinstance(node, nodes.Sequence):
         for item in node.items:

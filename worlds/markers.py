@@ -8,7 +8,7 @@ from typing import Any
 
 from vencejo.errors import UserError, nearest
 from vencejo.geometry import Quaternion
-from vencejo.nodes import Node
+from vencejo.nodes import YamlNode
 from worlds import figures
 from worlds.things import UPRIGHT, Charuco, Fiducial, Part
 from worlds.values import ANGLE_VALUE, SIZE, TEXT, Field, Misfit, Value, count, record
@@ -43,7 +43,7 @@ def plate_side(dictionary: str, size: float) -> float:
     return size * (modules + 2) / modules
 
 
-def _dictionary(node: Node) -> str:
+def _dictionary(node: YamlNode) -> str:
     text = TEXT.read(node).removeprefix("DICT_")
     if text not in DICTIONARIES:
         hint = nearest(text, DICTIONARIES)

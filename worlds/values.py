@@ -13,7 +13,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from vencejo import nodes
 from vencejo.errors import Fault, UserError, nearest
-from vencejo.nodes import Node, Scalar, Sequence, kind
+from vencejo.nodes import Scalar, Sequence, YamlNode, kind
 from vencejo.units import (
     ANGLE,
     LENGTH,
@@ -41,7 +41,7 @@ Schema = Mapping[str, Any]
 class Value(Generic[T]):
     """A kind of value that can stand in a world file."""
 
-    read: Callable[[Node], T]
+    read: Callable[[YamlNode], T]
     schema: Schema
 
 
@@ -56,19 +56,19 @@ class Misfit(Exception):
 # Words and numbers.
 
 
-def _text(node: Node) -> str:
+def _text(node: YamlNode) -> str:
     if isinstance(node, Scalar) and not node.null:
         return node.text
     raise UserError("wrong-type", f"a text is needed here, not {kind(node)}", node.where)
 
 
-def _flag(node: Node) -> bool:
+def _flag(node: YamlNode) -> bool:
     if isinstance(node, Scalar) and node.text in ("true", "false"):
         return node.text == "true"
     raise UserError("wrong-type", f"true or false is needed here, not {kind(node)}", node.where)
 
 
-def _color(node: Node) -> Color:
+def _color(node: YamlNode) -> Color:
     if isinstance(node, Scalar):
         if node.text not in COLORS:
             hint = nearest(node.text, COLORS)
@@ -88,7 +88,7 @@ def word(what: str, known: Iterable[str]) -> Value[str]:
     """One of some words; ``what`` names them in errors."""
     words = tuple(known)
 
-    def read(node: Node) -> str:
+    def read(node: YamlNode) -> str:
         text = _text(node)
         if text not in words:
             hint = nearest(text, words)
@@ -101,7 +101,7 @@ def word(what: str, known: Iterable[str]) -> Value[str]:
 def count(low: int) -> Value[int]:
     """A whole number of ``low`` or more."""
 
-    def read(node: Node) -> int:
+    def read(node: YamlNode) -> int:
         number = parse_number(node.text) if isinstance(node, Scalar) else None
         if not isinstance(number, int):
             raise UserError(
@@ -117,7 +117,7 @@ def count(low: int) -> Value[int]:
 def quantity(dimension: Dimension, low: float = -inf, high: float = inf) -> Value[float]:
     """A number with a unit of that dimension, or a bare one in SI units."""
 
-    def read(node: Node) -> float:
+    def read(node: YamlNode) -> float:
         if not isinstance(node, Scalar):
             raise UserError(
                 "wrong-type", f"{dimension} is needed here, not {kind(node)}", node.where
@@ -141,7 +141,7 @@ def above_zero(dimension: Dimension, high: float) -> Value[float]:
     """A quantity above 0, such as a size or a speed."""
     any_sign = quantity(dimension, -high, high)
 
-    def read(node: Node) -> float:
+    def read(node: YamlNode) -> float:
         value = any_sign.read(node)
         if value <= 0:
             assert isinstance(node, Scalar)
@@ -160,7 +160,7 @@ def degrees(most: float) -> Value[float]:
     """A latitude or longitude, in degrees: a bare number is in degrees too."""
     angle = quantity(ANGLE, -most * _DEGREE, most * _DEGREE)
 
-    def read(node: Node) -> float:
+    def read(node: YamlNode) -> float:
         bare = parse_number(node.text) if isinstance(node, Scalar) else None
         if bare is None:
             return angle.read(node) / _DEGREE
@@ -201,7 +201,7 @@ FACTOR = above_zero(RATIO, _FAR)
 # Lists.
 
 
-def each(items: Iterable[Node], read: Callable[[Node], _S]) -> list[_S]:
+def each(items: Iterable[YamlNode], read: Callable[[YamlNode], _S]) -> list[_S]:
     """Read some nodes. Raises UserError with the faults of all of them."""
     values, faults = [], list[Fault]()
     for item in items:
@@ -217,7 +217,7 @@ def each(items: Iterable[Node], read: Callable[[Node], _S]) -> list[_S]:
 def array(what: str, item: Value[_S], low: int, high: int | None = None) -> Value[tuple[_S, ...]]:
     """A list of ``low`` to ``high`` values; ``what`` begins the errors: "a place is [x, y]"."""
 
-    def read(node: Node) -> tuple[_S, ...]:
+    def read(node: YamlNode) -> tuple[_S, ...]:
         items = node.items if isinstance(node, Sequence) else []
         enough = low <= len(items) and (high is None or len(items) <= high)
         if not isinstance(node, Sequence) or not enough:
@@ -274,7 +274,7 @@ def record(what: str, fields: Mapping[str, Field], build: Callable[..., T]) -> V
     ``build`` raises Misfit where they do not go together; ``what`` names the map in errors.
     """
 
-    def read(node: Node) -> T:
+    def read(node: YamlNode) -> T:
         values, faults = read_fields(node, what, fields)
         if faults:
             raise UserError.of(faults)
@@ -290,7 +290,7 @@ def record(what: str, fields: Mapping[str, Field], build: Callable[..., T]) -> V
 
 
 def read_fields(
-    node: Node, what: str, fields: Mapping[str, Field]
+    node: YamlNode, what: str, fields: Mapping[str, Field]
 ) -> tuple[dict[str, Any], list[Fault]]:
     """The values of a map by key, with defaults, and the faults of all others."""
     if not isinstance(node, nodes.Mapping):
@@ -336,7 +336,7 @@ class Names(NamedTuple, Generic[T]):
 def names(what: str, value: Value[T]) -> Value[Names[T]]:
     """A map of names. Reading raises nothing: faults are returned beside the readable entries."""
 
-    def read(node: Node) -> Names[T]:
+    def read(node: YamlNode) -> Names[T]:
         if not isinstance(node, nodes.Mapping):
             message = f"'{what}' is a map of names, not {kind(node)}"
             return Names((), (Fault("wrong-type", message, node.where),))

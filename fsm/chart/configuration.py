@@ -1,26 +1,48 @@
-"""One configuration of a graph, and what follows from it alone.
+"""Configurations of a graph: its sets of active states, and what follows from one alone.
 
-A running graph visits few of its possible configurations, again and again. What can be told from
-one without looking at data (its leaves, which states wait or fly, whom an event asks, who is left
-when a domain is) is worked out at the first visit and shared by all instances.
+A running graph visits few of its possible configurations, again and again. Everything that does
+not depend on data (the leaves, the states with conditions or timers, the transitions that an event
+may take, the changes that taking some of them makes) is derived when it is first needed and kept
+in a :class:`Configurations`, which all instances of the graph share.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
 
 from fsm.chart.entry_sets import fixed_entry_set
-from fsm.chart.graph import Edge, Graph, Node, Record
+from fsm.chart.executable import Record
+from fsm.chart.graph import Edge, Graph, Node
 from fsm.chart.selection import chain
 
-MOST = 10_000
-"""Configurations that are kept; beyond that all are forgotten and worked out anew."""
+MAX_CONFIGURATIONS = 10_000
+"""Configurations kept for a graph; a full table is emptied and filled anew."""
+MAX_KEPT = 100
+"""Events, and steps, kept for a configuration."""
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+@dataclass(slots=True)
+class Entry:
+    """The states that a microstep enters. Nobody changes one; frozen ones take longer to make."""
+
+    states: tuple[Node, ...]
+    """Outer ones first."""
+    mask: int
+    """The mask of the configuration that results."""
+    histories: tuple[Node, ...] = ()
+    """The history states through which states are restored with their data and progress."""
+    defaults: Mapping[int, Sequence[Node]] = field(default_factory=dict)
+    """State index → the states whose default actions follow the entry actions of that state."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What taking some transitions together changes, as far as the configuration tells."""
+    """The changes that taking some transitions together makes, where they do not depend on data."""
 
     taken: tuple[tuple[Edge, Record], ...]
     """The transitions with what is recorded of each."""
@@ -29,17 +51,18 @@ class Step:
     entering: tuple[Node, ...]
     """The states entered whatever happened before, outer ones first."""
     open: tuple[Edge, ...]
-    """Transitions of which only history, or what happens on the way, tells what they enter."""
-    after: Active | None
-    """The configuration that results; None when some are open."""
+    """Transitions whose entered states depend on history, or have default actions to be run."""
+    entry: Entry | None
+    """The states entered; None when some transitions are open."""
 
 
-class Active:
-    """The active states of one moment, in document order."""
+class Configuration:
+    """A set of active states, in document order."""
 
     __slots__ = (
-        "_asked",
+        "_by_state",
         "_graph",
+        "_in_order",
         "_steps",
         "always",
         "behaving",
@@ -57,27 +80,40 @@ class Active:
         self.states = tuple(_states(graph.nodes, mask))
         self.leaves = tuple(node for node in self.states if not node.children)
         self.waiting = tuple(node for node in self.states if node.whens or node.afters)
+        """States with conditions or timers."""
         self.throughout = tuple(node for node in self.states if node.throughout)
         self.behaving = tuple(node for node in self.states if node.invocation or node.given)
+        """States with a behaviour, or with the parameters of an included graph."""
         self.always = any(node.always for node in self.states)
-        self._asked: dict[str, tuple[Edge, ...]] = {}
+        self._in_order: dict[str, tuple[Edge, ...]] = {}
+        self._by_state: dict[str, Mapping[int, tuple[Edge, ...]]] = {}
         self._steps: dict[tuple[Edge, ...], Step] = {}
 
-    def asked(self, event: str) -> tuple[Edge, ...]:
-        """Where one leaf is active: the transitions an event may take, in the order of asking."""
-        found = self._asked.get(event)
+    def edges_in_order(self, event: str) -> tuple[Edge, ...]:
+        """The transitions an event may take, in the order they are tried. For one active leaf."""
+        found = self._in_order.get(event)
         if found is None:
             graph = self._graph
-            found = self._asked[event] = tuple(
+            edges = [
                 edge
                 for node in chain(self.leaves[0], graph.outer_first)
                 for edge in node.edges_for(event, graph.vocabulary)
-            )
+            ]
+            found = _keep(self._in_order, event, tuple(edges))
+        return found
+
+    def edges_by_state(self, event: str) -> Mapping[int, tuple[Edge, ...]]:
+        """The transitions that an event or outcome may take, by the index of their active state."""
+        found = self._by_state.get(event)
+        if found is None:
+            vocabulary = self._graph.vocabulary
+            edges = {node.index: node.edges_for(event, vocabulary) for node in self.states}
+            found = _keep(self._by_state, event, {index: e for index, e in edges.items() if e})
         return found
 
     def step(self, edges: tuple[Edge, ...]) -> Step:
-        """What taking these transitions changes."""
-        return self._steps.get(edges) or self._new_step(edges)
+        """The changes that taking these transitions together makes."""
+        return self._steps.get(edges) or _keep(self._steps, edges, self._new_step(edges))
 
     def _new_step(self, edges: tuple[Edge, ...]) -> Step:
         domains = [edge.domain for edge in edges if edge.domain is not None]
@@ -86,23 +122,39 @@ class Active:
         entered = {node for nodes in fixed for node in nodes or ()}
         entering = tuple(sorted(entered, key=lambda node: node.index))
         open_ = tuple(e for e, nodes in zip(edges, fixed, strict=True) if nodes is None)
-        step = self._steps[edges] = Step(
+        return Step(
             tuple((edge, edge.taking) for edge in edges),
             tuple(reversed(left)),
             entering,
             open_,
-            None if open_ else self.changed(left, entering),
+            None if open_ else Entry(entering, self.mask_after(left, entering)),
         )
-        return step
 
-    def changed(self, leaving: Iterable[Node], entering: Iterable[Node]) -> Active:
-        """The configuration after these states were left and those entered."""
-        mask = self.mask
-        for node in leaving:
-            mask ^= node.mask
-        for node in entering:
-            mask |= node.mask
-        return active(self._graph, mask)
+    def mask_after(self, leaving: Iterable[Node], entering: Iterable[Node]) -> int:
+        """The mask of the configuration after these states were left and those entered."""
+        return (self.mask & ~mask_of(leaving)) | mask_of(entering)
+
+
+class Configurations(dict[int, Configuration]):
+    """The configurations of a graph by their masks: ``configurations[mask]`` always exists.
+
+    At most MAX_CONFIGURATIONS are kept. Steps refer to the resulting configuration by its mask,
+    so that one which was forgotten is not held by another.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+
+    def __missing__(self, mask: int) -> Configuration:
+        return _keep(self, mask, Configuration(self._graph, mask), MAX_CONFIGURATIONS)
+
+
+def mask_of(nodes: Iterable[Node]) -> int:
+    """The mask of a set of states: bit n is set when the state of index n is among them."""
+    mask = 0
+    for node in nodes:
+        mask |= node.mask
+    return mask
 
 
 def _states(nodes: Sequence[Node], mask: int) -> Sequence[Node]:
@@ -114,12 +166,9 @@ def _states(nodes: Sequence[Node], mask: int) -> Sequence[Node]:
     return found
 
 
-def active(graph: Graph, mask: int) -> Active:
-    """The configuration of that mask."""
-    known = graph.visited
-    found = known.get(mask)
-    if found is None:
-        if len(known) >= MOST:
-            known.clear()
-        found = known[mask] = Active(graph, mask)
-    return found
+def _keep(known: dict[K, V], key: K, value: V, most: int = MAX_KEPT) -> V:
+    """Add a value to a table that holds at most ``most``; a full table is emptied first."""
+    if len(known) >= most:
+        known.clear()
+    known[key] = value
+    return value

@@ -7,78 +7,117 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
 from fsm.chart.graph import Edge, Node
 
+Recorded = Callable[[Node], tuple[Node, ...] | None]
+"""The states that a history state stands for; None when its parent has never been left."""
+
 
 def default_entry(node: Node) -> tuple[Node, ...]:
-    """Where an entry of a compound state goes on to, or the regions of a parallel one."""
+    """The children that entering a state enters: its ``initial``, or all regions of a parallel."""
     if node.type == "parallel":
         return tuple(child for child in node.children if child.type != "history")
     return node.initial
 
 
-def entry_set(
-    domain: Node,
-    targets: Iterable[Node],
-    recorded: Callable[[Node], tuple[Node, ...]],
-    defaulted: Callable[[Node], None] = lambda node: None,
-) -> list[Node]:
-    """The states that a transition enters below ``domain``, in document order.
+@dataclass(slots=True)
+class EntrySet:
+    """The states that one transition enters, and how it comes to them."""
 
-    SCXML's computeEntrySet (W3C recommendation, appendix D); ``recorded`` gives the states a
-    history state stands for, ``defaulted`` is told of each state entered by its ``initial``.
+    entering: dict[int, Node] = field(default_factory=dict)
+    """By index, in no order."""
+    histories: list[Node] = field(default_factory=list)
+    """The history states that had something recorded."""
+    defaults: dict[int, list[Node]] = field(default_factory=dict)
+    """State index → states with default actions (itself, or a history state inside it)."""
+
+    @property
+    def states(self) -> list[Node]:
+        """The entered states in document order."""
+        return [self.entering[index] for index in sorted(self.entering)]
+
+
+def entry_set(domain: Node, targets: Iterable[Node], recorded: Recorded) -> EntrySet:
+    """The states that a transition enters below ``domain``.
+
+    SCXML's computeEntrySet (W3C recommendation of 2015, appendix D).
     """
-    entering: dict[int, Node] = {}
+    found = EntrySet()
+    _Entering(found, recorded).enter(targets, domain)
+    return found
 
-    def enter(targets: Iterable[Node], stop: Node | None) -> None:
+
+@dataclass(slots=True)
+class _Entering:
+    """Collects an entry set."""
+
+    found: EntrySet
+    recorded: Recorded
+
+    def enter(self, targets: Iterable[Node], stop: Node | None) -> None:
+        """Add targets with what is inside them, and the states between them and ``stop``."""
         # All of them first: what is around one must not fill another's region with its default.
         targets = tuple(targets)
         for target in targets:
-            descend(target)
+            self.descend(target)
         for target in targets:
-            climb(target, stop)
+            self.climb(target, stop)
 
-    def descend(node: Node) -> None:
+    def descend(self, node: Node) -> None:
         if node.type == "history":
-            enter(recorded(node), node.parent)
+            self.enter(self.remembered(node), node.parent)
             return
-        entering[node.index] = node
+        self.found.entering[node.index] = node
         if node.type == "compound":
-            defaulted(node)
-            enter(node.initial, node)
+            self.defaulted(node, node)
+            self.enter(node.initial, node)
         elif node.type == "parallel":
-            fill(node)
+            self.fill(node)
 
-    def climb(node: Node, stop: Node | None) -> None:
+    def remembered(self, history: Node) -> tuple[Node, ...]:
+        states = self.recorded(history)
+        if states is not None:
+            self.found.histories.append(history)
+            return states
+        assert history.parent is not None
+        self.defaulted(history, history.parent)
+        return history.initial
+
+    def defaulted(self, node: Node, entered: Node) -> None:
+        """Note a default entry whose actions follow the entry actions of ``entered``."""
+        if node.default_actions:
+            self.found.defaults.setdefault(entered.index, []).append(node)
+
+    def climb(self, node: Node, stop: Node | None) -> None:
+        entering = self.found.entering
         for ancestor in node.ancestors:
             if ancestor is stop:
                 return
             new = ancestor.index not in entering
             entering[ancestor.index] = ancestor
             if new and ancestor.type == "parallel":
-                fill(ancestor)
+                self.fill(ancestor)
 
-    def fill(parallel: Node) -> None:
-        filled = sorted(entering)
+    def fill(self, parallel: Node) -> None:
+        """Enter the regions in which nothing is entered yet."""
+        filled = sorted(self.found.entering)
         for region in default_entry(parallel):
             first = bisect_left(filled, region.index)
             if first == len(filled) or filled[first] > region.last:
-                descend(region)
-
-    enter(targets, domain)
-    return [entering[index] for index in sorted(entering)]
+                self.descend(region)
 
 
 def fixed_entry_set(edge: Edge) -> tuple[Node, ...] | None:
     """The states that a transition enters whatever happened before, outer ones first.
 
-    None when that is found in flight, because history decides it or default entries have actions
-    of their own.
+    None when that is only known in flight, because history decides it or default entries have
+    actions of their own.
     """
     if edge.domain is None:
         return ()
-    found = entry_set(edge.domain, edge.targets, lambda history: ())
+    found = entry_set(edge.domain, edge.targets, lambda history: ()).states
     touched = {*edge.targets, *(initial for node in found for initial in node.initial)}
     in_flight = any(node.type == "history" for node in touched)
     return None if in_flight or any(node.default_actions for node in found) else tuple(found)

@@ -8,25 +8,27 @@ by :class:`fsm.engine.instance.Instance`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any
+from types import MappingProxyType
+from typing import Any, cast
 
 from transitions.core import Condition, EventData, State, Transition
 
-from fsm.chart.digest import digest_of
+from fsm.chart.digest import Element, digest_of
+from fsm.chart.draft import Draft, StateDraft, TransitionDraft, domain_of
+from fsm.chart.executable import Action, Data, Given, Invocation, Record, Runtime
+from fsm.chart.nesting import Nested
 from fsm.expressions.compiled import Compiled
-from fsm.host import Behavior, Parameter, Vocabulary, matches
+from fsm.host import Parameter, Vocabulary
 from fsm.language.spec import MissionSpec, StateType, TriggerKind
 from fsm.values.conversion import convert
 from fsm.values.functions import FAILURES
 from fsm.values.types import Type
-from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where, nearest
 
-Record = tuple[str, dict[str, Any]]
-"""Something that happened: its kind and what is known of it. Shared, so nobody changes one."""
+Matching = Callable[[str, str, Vocabulary], bool]
+"""Whether a pattern under ``on`` matches an event or outcome of a host with this vocabulary."""
 
 
 class Guard(Condition):
@@ -34,91 +36,82 @@ class Guard(Condition):
 
     def __init__(self, compiled: Compiled) -> None:
         super().__init__(compiled)
+        self.compiled = compiled
 
     def check(self, event_data: EventData) -> bool:
         """Whether the guard passes for this event; one that fails to evaluate does not."""
-        model: Any = event_data.model
-        return model.evaluate(self.func, event_data.kwargs, False) is True
+        running = cast(Runtime, event_data.model)
+        return running.evaluate(self.compiled, event_data.kwargs, False) is True
 
 
-@dataclass(frozen=True, slots=True)
-class Action:
-    """One step of an action block, ready to run."""
+class Frozen:
+    """An object whose attributes cannot be set, since all instances of a graph share it.
 
-    kind: str
+    Callbacks may still be added to the lists in which `transitions` keeps them.
+    """
+
+    __slots__ = ()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a compiled graph does not change: '{name}' cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a compiled graph does not change: '{name}' cannot be deleted")
+
+
+class Edge(Frozen, Transition):
+    """One alternative of a transition, in `transitions`' form."""
+
+    node: Node
+    """The state it stands in."""
+    kind: TriggerKind
+    trigger: str
+    """The event, condition or duration that triggers it, as written."""
     where: Where
-    run: Callable[[Any, dict[str, Any]], None]
-    """Of the instance and the fields of the event."""
-    node: nodes.Node | None = None
-    """What stands behind its word in the file, to show it."""
+    label: str
+    """Its name; empty when it has none."""
+    targets: tuple[Node, ...]
+    domain: Node | None
+    """The state whose descendants are left; None for a transition without targets."""
+    guard: Compiled | None
+    hold: Compiled | None
+    """How many seconds its condition must last."""
+    actions: tuple[Action, ...]
+    reenter: bool
+    """Whether its state is left even when all targets lie inside it."""
 
+    def __init__(self, draft: TransitionDraft, source: StateDraft, nodes: Sequence[Node]) -> None:
+        domain = domain_of(source, draft.targets, draft.reenter)
+        vars(self).update(
+            node=nodes[source.index],
+            kind=draft.kind,
+            trigger=draft.trigger,
+            where=draft.where,
+            label=draft.name,
+            targets=tuple([nodes[target.index] for target in draft.targets]),
+            domain=None if domain is None else nodes[domain.index],
+            guard=draft.guard,
+            hold=draft.hold,
+            actions=draft.actions,
+            reenter=draft.reenter,
+            # The attributes that `transitions` itself gives it.
+            source=source.path,
+            dest=", ".join([target.path for target in draft.targets]),
+            prepare=[],
+            before=[],
+            after=[],
+            conditions=[] if draft.guard is None else [Guard(draft.guard)],
+        )
 
-@dataclass(frozen=True, slots=True)
-class Data:
-    """A variable of a state."""
-
-    name: str
-    slot: int
-    type: Type
-    initial: Compiled
-
-
-@dataclass(frozen=True, slots=True)
-class Invocation:
-    """The ``do`` of a state."""
-
-    behavior: Behavior
-    with_: Mapping[str, Compiled]
-    live: Mapping[str, Compiled]
-    slot: int
-    """Where its published values stand; -1 when it publishes nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Given:
-    """A parameter of an included graph, filled whenever that is entered."""
-
-    name: str
-    slot: int
-    default: Any
-    with_: Compiled | None = None
-    live: Compiled | None = None
-
-
-class Edge(Transition):
-    """One alternative of a transition."""
-
-    def __init__(
-        self,
-        source: Node,
-        kind: TriggerKind,
-        trigger: str,
-        where: Where,
-        name: str = "",
-    ) -> None:
-        super().__init__(source.path, "")
-        self.node = source
-        self.kind = kind
-        self.trigger = trigger
-        self.where = where
-        self.label = name
-        self.targets: tuple[Node, ...] = ()
-        self.domain: Node | None = None
-        """The state whose inside is left; None when nothing is."""
-        self.guard: Compiled | None = None
-        self.actions: tuple[Action, ...] = ()
-        self.hold: Compiled | None = None
-        self.reenter = False
-
-    @cached_property
+    @property
     def taking(self) -> Record:
-        """What is recorded when it is taken."""
+        """The record of its being taken."""
         by = self.kind if self.kind == "always" else f"{self.kind} {self.trigger}"
         step = {"by": by, "from": self.node.path, "to": [target.path for target in self.targets]}
         return "transition", {**step, "name": self.label} if self.label else step
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class When:
     """A condition with its alternatives."""
 
@@ -126,7 +119,7 @@ class When:
     edges: tuple[Edge, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class After:
     """A duration with its alternatives."""
 
@@ -134,68 +127,108 @@ class After:
     edges: tuple[Edge, ...]
 
 
-class Node(State):
-    """One state. ``path`` is its full name: ``patrol.follow``; the root's is empty."""
+class Node(Frozen, Nested, State):
+    """One state, in `transitions`' form. Made by :func:`build_nodes`."""
 
-    def __init__(self, name: str, path: str, type_: StateType, index: int, where: Where) -> None:
-        super().__init__(path, final=type_ == "final")
-        self.local_name = name
-        self.path = path
-        self.type = type_
-        self.index = index
-        self.mask = 1 << index
-        self.where = where
-        self.description = ""
-        self.parent: Node | None = None
-        self.children: tuple[Node, ...] = ()
-        self.border = False
-        """Whether a graph begins here: it is the root, or the only child of a state that includes
-        one. Names, targets and outcomes other than `failed` do not cross it."""
-        self.given: tuple[Given, ...] = ()
-        """Parameters of the graph that begins here, when it is included."""
-        self.ancestors: tuple[Node, ...] = ()
-        """From the parent outwards to the root."""
-        self.last = index
-        """Index of the last state inside; document order makes ``index … last`` this subtree."""
-        self.initial: tuple[Node, ...] = ()
-        self.deep = False
-        self.entered_slot = -1
-        self.data: tuple[Data, ...] = ()
-        self.entry: tuple[Action, ...] = ()
-        self.default_actions: tuple[Action, ...] = ()
-        """SCXML's actions of a default entry, run after those of the state; a history state's
-        belong to its first time."""
-        self.exit_actions: tuple[Action, ...] = ()
-        self.throughout: tuple[Action, ...] = ()
-        self.invocation: Invocation | None = None
-        self.on: tuple[tuple[str, tuple[Edge, ...]], ...] = ()
-        self.always: tuple[Edge, ...] = ()
-        self.whens: tuple[When, ...] = ()
-        self.afters: tuple[After, ...] = ()
-        self.outcome = "done"
-        self.output: Mapping[str, Compiled] = {}
-        self.entering: Record = ("enter", {"state": path})
-        self.leaving: Record = ("exit", {"state": path})
-        """What is recorded when it is entered and left."""
-        self._edges_of: dict[str, tuple[Edge, ...]] = {}
-        self.fills = self.waits = False
-        """Whether an entry gives values to anything, and whether it arms conditions or timers."""
+    local_name: str
+    path: str
+    """Its full name: ``patrol.follow``; the root's is empty."""
+    type: StateType
+    mask: int
+    """The bit that stands for it in a configuration."""
+    where: Where
+    description: str
+    parent: Node | None
+    children: tuple[Node, ...]
+    ancestors: tuple[Node, ...]
+    """From the parent outwards to the root."""
+    given: tuple[Given, ...]
+    """Parameters of the included graph whose root this is."""
+    initial: tuple[Node, ...]
+    """The targets of a default entry: of a compound state, or of a history without content."""
+    deep: bool
+    """Whether a history state remembers the leaves, and not only the children."""
+    entered_slot: int
+    """The slot of its time of entry."""
+    data: tuple[Data, ...]
+    entry: tuple[Action, ...]
+    default_actions: tuple[Action, ...]
+    """SCXML's actions of a default entry, run after those of the state; a history state's belong
+    to its first time."""
+    exit_actions: tuple[Action, ...]
+    throughout: tuple[Action, ...]
+    invocation: Invocation | None
+    on: tuple[tuple[str, tuple[Edge, ...]], ...]
+    """Transitions by the pattern that their events match."""
+    matches: Matching
+    whens: tuple[When, ...]
+    afters: tuple[After, ...]
+    always: tuple[Edge, ...]
+    outcome: str
+    """The outcome that a final state gives."""
+    output: Mapping[str, Compiled]
+    entering: Record
+    """The record of its being entered."""
+    leaving: Record
+    """The record of its being left."""
+    fills: bool
+    """Whether an entry sets parameters, data or published values."""
+    waits: bool
+    """Whether an entry arms conditions or starts timers."""
 
-    @property
-    def owner(self) -> Node:
-        """Whose outcome it is when what is inside ends: of an included graph, its includer's."""
-        return self.parent.owner if self.border and self.parent else self
+    def __init__(self) -> None:
+        """An empty state: all must exist before they can refer to each other."""
 
-    def outwards(self) -> Iterator[Node]:
-        """This state and those around it in the same graph."""
-        for node in (self, *self.ancestors):
-            yield node
-            if node.border:
-                return
+    def _fill(
+        self, draft: StateDraft, nodes: Sequence[Node], first_slot: int, matches: Matching
+    ) -> None:
+        path, index = draft.path, draft.index
+        parent = None if draft.parent is None else nodes[draft.parent.index]
 
-    def contains(self, other: Node) -> bool:
-        """Whether ``other`` lies inside, this state itself apart."""
-        return self.index < other.index <= self.last
+        def edges(drafts: Iterable[TransitionDraft]) -> tuple[Edge, ...]:
+            return tuple([Edge(each, draft, nodes) for each in drafts])
+
+        vars(self).update(
+            local_name=draft.name,
+            path=path,
+            type=draft.type,
+            index=index,
+            last=draft.last,
+            mask=1 << index,
+            where=draft.where,
+            description=draft.description,
+            parent=parent,
+            children=tuple([nodes[child.index] for child in draft.children]),
+            ancestors=() if parent is None else (parent, *parent.ancestors),
+            border=draft.border,
+            given=draft.given,
+            initial=tuple([nodes[state.index] for state in draft.initial]),
+            deep=draft.deep,
+            entered_slot=first_slot + index,
+            data=draft.data,
+            entry=draft.entry,
+            default_actions=draft.default_actions,
+            exit_actions=draft.exit_actions,
+            throughout=draft.throughout,
+            invocation=draft.invocation,
+            on=tuple([(pattern, edges(drafts)) for pattern, drafts in draft.on]),
+            matches=matches,
+            whens=tuple([When(condition, edges(drafts)) for condition, drafts in draft.whens]),
+            afters=tuple([After(duration, edges(drafts)) for duration, drafts in draft.afters]),
+            always=edges(draft.always),
+            outcome=draft.outcome,
+            output=MappingProxyType(dict(draft.output)),
+            entering=("enter", {"state": path}),
+            leaving=("exit", {"state": path}),
+            fills=bool(draft.given or draft.data or draft.invocation),
+            waits=bool(draft.whens or draft.afters),
+            # The attributes that `transitions` itself gives it.
+            _name=path,
+            final=draft.type == "final",
+            ignore_invalid_triggers=None,
+            on_enter=[],
+            on_exit=[],
+        )
 
     def edges(self) -> Iterable[Edge]:
         """Every transition that stands in this state."""
@@ -208,61 +241,75 @@ class Node(State):
         yield from self.always
 
     def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
-        """The transitions this event or outcome may take here, in order."""
-        found = self._edges_of.get(event)
-        if found is None:
-            guarded = event.startswith("error.") or vocabulary.is_urgent(event)
-            found = tuple(
-                edge
-                for pattern, edges in self.on
-                if matches(pattern, event) or (pattern == "*" and not guarded)
-                for edge in edges
-            )
-            self._edges_of[event] = found
+        """The transitions this event or outcome may take here, in order.
+
+        ``vocabulary`` says which events are urgent: ``*`` does not catch those in a mission.
+        """
+        found: tuple[Edge, ...] = ()
+        matches = self.matches
+        for pattern, edges in self.on:
+            if matches(pattern, event, vocabulary):
+                found += edges
         return found
 
 
-@dataclass(eq=False)
+def build_nodes(draft: Draft, first_slot: int, matches: Matching) -> tuple[Node, ...]:
+    """Make the states of a graph, in document order, with their transitions from its draft.
+
+    Each state's time of entry has a slot of its own, from ``first_slot`` on; ``matches`` is the
+    rule of the graph's language for events.
+    """
+    nodes = tuple([Node() for _ in draft])
+    for node, state in zip(nodes, draft, strict=True):
+        node._fill(state, nodes, first_slot, matches)
+    return nodes
+
+
+@dataclass(frozen=True, eq=False)
 class Graph:
-    """A compiled mission. Also what `transitions` calls the machine of an event."""
+    """A compiled mission. Also what `transitions` calls the machine of an event.
+
+    It never changes: what instances derive from it is kept beside it (:mod:`fsm.engine.shared`).
+    """
 
     name: str
     description: str
-    root: Node
-    nodes: Sequence[Node]
+    nodes: tuple[Node, ...]
     """All states in document order; the root is the first."""
     parameters: Mapping[str, Parameter]
     parameter_slots: Mapping[str, int]
     vocabulary: Vocabulary
     slots: int
+    """The number of values that an instance has."""
     events: Mapping[str, Mapping[str, Type]]
+    """Declared events with the types of their fields."""
     world: str | None
+    """The world that the mission names."""
     outer_first: bool
+    """Whether outer states come before inner ones in selection."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
-    by_path: Mapping[str, Node] = field(default_factory=dict)
-    visited: dict[int, Any] = field(default_factory=dict, repr=False)
-    """Configurations that instances have been in, by their masks."""
-    models: dict[type, type] = field(default_factory=dict, repr=False)
-    """Classes of its instances (see :mod:`fsm.chart.model`)."""
-
+    """`transitions`' word for callbacks that take the event's data as their only argument."""
+    by_path: Mapping[str, Node] = field(init=False, repr=False)
     source: MissionSpec | None = None
-    """What it was compiled from."""
-    document: object = None
-    """What it was compiled from when that is no mission: the root of an SCXML document."""
+    """The mission it was compiled from."""
+    document: Element | None = None
+    """The root of the SCXML document it was compiled from, when that is no mission."""
+    event_slot: int = -1
+    """The slot of ``_event`` in an SCXML document; -1 in a mission."""
 
     def __post_init__(self) -> None:
-        for node in self.nodes:
-            node.fills = bool(node.given or node.data or node.invocation)
-            node.waits = bool(node.whens or node.afters)
+        by_path = MappingProxyType({node.path: node for node in self.nodes})
+        object.__setattr__(self, "by_path", by_path)
 
-    @cached_property
+    @property
+    def root(self) -> Node:
+        return self.nodes[0]
+
+    @property
     def digest(self) -> str:
-        """A hash of what the mission says; saved runs and records know it by this."""
-        return digest_of(self.document if self.source is None else self.source)
-
-    event_slot: int = -1
-    """Where ``_event`` of an SCXML document stands; -1 in a mission."""
+        """A hash of the mission's words, computed at each call (see :mod:`fsm.chart.digest`)."""
+        return digest_of(self.source or self.document)
 
     @property
     def scxml(self) -> bool:

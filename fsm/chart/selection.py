@@ -1,4 +1,4 @@
-"""Which transitions are taken together: SCXML's selection and conflicts.
+"""Which transitions are taken together: SCXML's selection and its conflicts.
 
 Functions of a configuration alone (W3C recommendation of 2015, appendix D).
 """
@@ -13,17 +13,17 @@ from fsm.chart.graph import Edge, Node
 def select(
     leaves: Iterable[Node], choose: Callable[[Node], Edge | None], outer_first: bool
 ) -> list[Edge]:
-    """For each active leaf the first transition of the states around it, without conflicts.
+    """The transitions to take: for each active leaf its first, as far as they do not conflict.
 
-    ``choose`` gives the transition that a state offers; it is asked once for each state.
+    ``choose`` gives the transition that a state offers, or None; it is called once per state.
     """
     picked: list[Edge] = []
-    asked: dict[int, Edge | None] = {}
+    chosen: dict[int, Edge | None] = {}
     for leaf in leaves:
         for node in chain(leaf, outer_first):
-            if node.index not in asked:
-                asked[node.index] = choose(node)
-            edge = asked[node.index]
+            if node.index not in chosen:
+                chosen[node.index] = choose(node)
+            edge = chosen[node.index]
             if edge is not None:
                 if edge not in picked:
                     picked.append(edge)
@@ -32,13 +32,17 @@ def select(
 
 
 def chain(node: Node, outer_first: bool) -> Sequence[Node]:
-    """A state and those around it, in the order in which they are asked."""
+    """A state and its ancestors, in the order in which their transitions are tried."""
     around = (node, *node.ancestors)
     return around[::-1] if outer_first else around
 
 
 def without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
-    """Of two whose exit sets meet the inner one stays, else the earlier."""
+    """The transitions without those whose exit set meets that of a preferred one.
+
+    A transition of an inner state is preferred to one of a state around it (with ``outer_first``
+    it is not), otherwise the earlier one.
+    """
     kept: list[Edge] = []
     for edge in edges:
         beaten: list[Edge] = []

@@ -1,1 +1,1 @@
-"""What a finished graph must fulfil before it may fly."""
+"""The checks that a compiled graph must pass before it may fly."""

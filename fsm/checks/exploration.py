@@ -1,7 +1,7 @@
-"""The configurations a graph can be in, and how they follow each other when guards are ignored.
+"""Explores the configurations of a graph, with guards ignored: an explicit-state model checker.
 
-What the safety proof (:mod:`fsm.checks.safety`) walks through. Sets of states are bit masks, one
-bit for the index of each state: a hundred thousand configurations are looked at in about a second.
+The safety proof (:mod:`fsm.checks.safety`) uses it. Sets of states are bit masks, one bit for the
+index of each state: a hundred thousand configurations are visited in about a second.
 """
 
 from __future__ import annotations
@@ -12,23 +12,22 @@ from itertools import product
 from fsm.chart.entry_sets import default_entry
 from fsm.chart.graph import Edge, Graph, Node
 from fsm.chart.selection import without_conflicts
-from fsm.checks.possibilities import Possibilities, Task, owner_of, until_unguarded
+from fsm.checks.possibilities import Possibilities, Task, owner_of, up_to_unguarded
 
 MAX_CONFIGURATIONS = 100_000
 
 Config = tuple[int, int]
-"""The mask of the active states that have no states inside; and the mask of what has ended there:
-of a state whose behaviour ended in ``done`` the bit ``2 · index``, after any other outcome the
-next one."""
+"""The mask of the active leaf states, and the mask of the behaviours that have ended: the bit
+``2 · index`` of a state whose behaviour ended in ``done``, the next bit after any other outcome."""
 Move = tuple[Task, Config]
 
 
 class TooManyError(Exception):
-    """More configurations than are looked at."""
+    """There are more configurations than may be explored."""
 
 
 class Explorer:
-    """The configurations of a graph, and how they follow each other."""
+    """The state space of a graph: its configurations and the moves between them."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -39,7 +38,8 @@ class Explorer:
             for event in graph.vocabulary.must_land
             if (takers := self.can.takers(event))
         }
-        """The events that must land and that somebody handles, with the states that do."""
+        """The events that must land and that some state handles, with the mask of the leaves in or
+        around which one does."""
         self._moves: dict[Config, tuple[list[Move], bool]] = {}
 
     def name(self, config: Config) -> str:
@@ -48,8 +48,8 @@ class Explorer:
     # -- which configurations there are -------------------------------------------------------
 
     def reach(self) -> dict[Config, Config | None]:
-        """Every configuration that can be at rest, in breadth-first order, each with the earlier
-        one it is reached from.
+        """All stable configurations that can be reached, in breadth-first order, each with its
+        predecessor; None for the initial ones. Raises TooManyError.
         """
         root = self.graph.root
         came_from: dict[Config, Config | None] = {
@@ -57,11 +57,11 @@ class Explorer:
         }
         resting: dict[Config, Config | None] = {}
         pending = list(came_from)
-        happenings = self.can.happenings
+        triggered = self.can.triggered
         for config in pending:  # it grows meanwhile
             if len(came_from) > MAX_CONFIGURATIONS:
                 raise TooManyError
-            if self.over(config):
+            if self.has_ended(config):
                 continue
             origin = came_from[config]
             moves, passing = self.moves(config)
@@ -74,7 +74,7 @@ class Explorer:
                 following += [
                     (leaves & kept | entered, ended & kept_ended)
                     for leaf in _bits(leaves)
-                    for kept, kept_ended, entered in happenings[leaf]
+                    for kept, kept_ended, entered in triggered[leaf]
                 ]
             for after in following:
                 if after not in came_from:
@@ -83,24 +83,25 @@ class Explorer:
         return resting
 
     def active(self, leaves: int) -> tuple[Node, ...]:
-        """The active states, those around each leaf in the order in which they are asked."""
+        """The active states, in the order in which events are offered to them."""
         seen = (node for leaf in _bits(leaves) for node in self.can.chains[leaf])
         return tuple(dict.fromkeys(seen))
 
-    def over(self, config: Config) -> bool:
-        """Whether the mission has ended: the host lands it."""
+    def has_ended(self, config: Config) -> bool:
+        """Whether the mission has ended; then the host lands the vehicle."""
         if config[0] & self.can.ends:
             return True
-        return self.can.whole is not None and self.finished(self.can.whole, config)
+        return self.can.root_parallel is not None and self.finished(self.can.root_parallel, config)
 
     def lands(self, config: Config) -> bool:
+        """Whether a behaviour that ends on the ground is active."""
         return bool(config[0] & self.can.landing)
 
     def finished(self, node: Node, config: Config) -> bool:
         """Whether a parallel state, or a region of one, has finished."""
         if node.type == "parallel":
             regions = [
-                region for region in default_entry(node) if region.index not in self.can.apart
+                region for region in default_entry(node) if region.index not in self.can.independent
             ]
             return all(self.finished(region, config) for region in regions)
         if not node.children:
@@ -112,13 +113,16 @@ class Explorer:
     # -- how they follow each other -----------------------------------------------------------
 
     def answers(self, configs: Iterable[Config]) -> Iterator[Config]:
+        """The configurations after an event that must land has been handled in one of these."""
         for config in configs:
             for event, takers in self.takers.items():
                 if config[0] & takers:
                     yield from (answer for _, answer in self.answer(config, event))
 
     def answer(self, config: Config, event: str) -> Iterator[tuple[tuple[Edge, ...], Config]]:
-        """How a configuration may take an event; nothing where it is left to the host."""
+        """The transitions by which a configuration may take an event, and the configuration after
+        them; nothing where the event is left to the host.
+        """
         options = [
             self.can.offered(leaf, event) for leaf in _bits(config[0] & self.takers.get(event, 0))
         ]
@@ -135,27 +139,30 @@ class Explorer:
                 yield edges, (leaves, ended)
 
     def moves(self, config: Config) -> tuple[list[Move], bool]:
-        """What may follow by itself, and whether something follows at once."""
+        """The moves without an event from outside, and whether the configuration is left at once.
+
+        Raises TooManyError.
+        """
         known = self._moves.get(config)
         if known is None:
             if len(self._moves) > MAX_CONFIGURATIONS:
                 raise TooManyError
-            moves, certain = self.at_once(config)
+            moves, certain = self.immediate_moves(config)
             if not certain:
-                moves += self.in_time(config)
+                moves += self.eventual_moves(config)
             self._moves[config] = known = (list(dict.fromkeys(moves)), certain)
         return known
 
-    def at_once(self, config: Config) -> tuple[list[Move], bool]:
-        """What ``always`` and final states lead to, and whether one of them is sure to be taken."""
+    def immediate_moves(self, config: Config) -> tuple[list[Move], bool]:
+        """The moves by ``always`` and by a final state, and whether one of them must happen."""
         offers: list[list[Edge | None]] = []
         leaves, ended = config
         some_ended = ended or leaves & self.can.finals
-        if not some_ended and not leaves & self.can.choosing:
+        if not some_ended and not leaves & self.can.with_always:
             return [], False
         for node in self.active(leaves):
             if node.always:
-                offers.append(until_unguarded(node.always))
+                offers.append(up_to_unguarded(node.always))
             if not some_ended:
                 continue
             if node.type == "final":
@@ -173,8 +180,8 @@ class Explorer:
         certain = any(all(edge is not None and edge.targets for edge in edges) for edges in offers)
         return moves, certain
 
-    def in_time(self, config: Config) -> list[Move]:
-        """What outcomes and ``after`` lead to."""
+    def eventual_moves(self, config: Config) -> list[Move]:
+        """The moves by outcomes of behaviours and by ``after``."""
         moves: list[Move] = []
         leaves, ended = config
         courses = self.can.courses
@@ -192,7 +199,7 @@ class Explorer:
         return moves
 
     def due(self, config: Config) -> set[Task]:
-        """What is sure to move on, sooner or later."""
+        """The behaviours and timers that are sure to move the configuration on, sooner or later."""
         found: set[Task] = set()
         leaves, ended = config
         for node in self.active(leaves):
@@ -200,15 +207,17 @@ class Explorer:
             if runs and node.invocation and node.invocation.behavior.outcomes:
                 found.add(("do", node.index, 0))
             for number, after in enumerate(node.afters):
-                if all(edge and edge.targets for edge in until_unguarded(after.edges)):
+                if all(edge and edge.targets for edge in up_to_unguarded(after.edges)):
                     found.add(("after", node.index, number))
         return found
 
     # -- loops and dead ends ------------------------------------------------------------------
 
     def endless(self, starts: Iterable[Config]) -> dict[Config, Config | None]:
-        """The configurations from which the ground may never be reached, each with a next one
-        that is no better; None where nothing follows at all.
+        """The configurations from which the vehicle may never land, each with a successor for which
+        the same holds; None where there is no successor at all.
+
+        Strongly connected components by Tarjan's algorithm (1972), without recursion.
         """
         bad: dict[Config, Config | None] = {}
         number: dict[Config, int] = {}
@@ -217,7 +226,7 @@ class Explorer:
         for start in starts:
             if start in number:
                 continue
-            work = [(start, iter(self.onward(start)))]
+            work = [(start, iter(self.successors(start)))]
             number[start] = low[start] = len(number)
             open_[start] = None
             while work:
@@ -226,7 +235,7 @@ class Explorer:
                     if after not in number:
                         number[after] = low[after] = len(number)
                         open_[after] = None
-                        work.append((after, iter(self.onward(after))))
+                        work.append((after, iter(self.successors(after))))
                         break
                     if after in open_:
                         low[config] = min(low[config], number[after])
@@ -236,27 +245,30 @@ class Explorer:
                         outer = work[-1][0]
                         low[outer] = min(low[outer], low[config])
                     if low[config] == number[config]:
-                        self.judge(_popped(open_, config), bad)
+                        self.judge_component(_popped(open_, config), bad)
         return bad
 
-    def onward(self, config: Config) -> list[Move]:
-        return [] if self.lands(config) or self.over(config) else self.moves(config)[0]
+    def successors(self, config: Config) -> list[Move]:
+        """The moves that are followed; none from where the vehicle lands."""
+        return [] if self.lands(config) or self.has_ended(config) else self.moves(config)[0]
 
-    def judge(self, component: set[Config], bad: dict[Config, Config | None]) -> None:
-        """Add the configurations of a component, all that follow it being judged already."""
+    def judge_component(self, component: set[Config], bad: dict[Config, Config | None]) -> None:
+        """Add the configurations of a component to ``bad`` if the vehicle may stay in it for
+        ever, or leave it for a bad one; the components that follow it are judged already.
+        """
         some = next(iter(component))
-        if len(component) == 1 and (self.over(some) or self.lands(some)):
+        if len(component) == 1 and (self.has_ended(some) or self.lands(some)):
             return
         within = [
             (config, task, after)
             for config in component
-            for task, after in self.onward(config)
+            for task, after in self.successors(config)
             if after in component
         ]
         exits = {
             config: after
             for config in component
-            for _, after in self.onward(config)
+            for _, after in self.successors(config)
             if after in bad and after not in component
         }
         due = set.intersection(*(self.due(config) for config in component))

@@ -1,4 +1,6 @@
-"""What a compiled mission must fulfil before it may fly: handled outcomes, ways out, one pilot."""
+"""Checks of a compiled mission: every outcome is handled, every state can be left, no two
+behaviours control the same thing.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +24,10 @@ PERIOD = 0.025
 
 
 def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
-    """Every fault of the structure; errors would keep it from flying, warnings would not.
+    """All faults of a mission's structure, errors and warnings.
 
-    ``flawed`` are states that have a fault in their transitions already: what may only follow from
-    that is not told.
+    ``flawed`` are states whose transitions have faults already; faults that may be mere
+    consequences of those are left out.
     """
     missed = (*_unhandled_outcomes(graph), *endless_states(graph, _can_finish))
     doubtful = {node.where for node in graph.nodes if _in_doubt(node, flawed)}
@@ -47,7 +49,7 @@ def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
 
 
 def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:
-    """Whether a flawed state may be the one that hears what this one ends with, or leaves it."""
+    """Whether a flawed state may be the one that handles this one's outcomes, or leaves it."""
     if not flawed:
         return False
     around = (node, *node.ancestors)
@@ -95,7 +97,7 @@ def _unhandled_outcomes(graph: Graph) -> Iterator[Fault]:
 
 
 def _ends(node: Node) -> set[str]:
-    """The outcomes that the children of a compound state give it."""
+    """The outcomes with which a compound state ends by its final children."""
     if node.owner is not node:
         return set()
     while node.children and node.children[0].border:
@@ -159,7 +161,7 @@ def _owners(a: Node, b: Node, what: str) -> Fault:
 
 
 def _region_restarts(graph: Graph) -> Iterator[Fault]:
-    """Three targets whose W3C meaning restarts sibling regions."""
+    """Targets that exit and enter the sibling regions too, by the W3C's rules."""
     for node in graph.nodes:
         for edge in node.edges():
             if edge.reenter or edge.domain is None:
@@ -231,7 +233,7 @@ def _never_done(graph: Graph) -> Iterator[Fault]:
 
 
 def _restarting_histories(graph: Graph) -> Iterator[Fault]:
-    """A history reached only from inside: its state is not left, so it has nothing to give back."""
+    """A history state entered only from inside its parent, which is never left and remembered."""
     for history in graph.nodes:
         parent = history.parent
         if history.type != "history" or parent is None or not history.initial:
@@ -263,7 +265,7 @@ def _always_on_the_world(graph: Graph) -> Iterator[Fault]:
 
 
 def _hidden_handlers(graph: Graph) -> Iterator[Fault]:
-    """An inner state that takes an urgent event before an outer one can."""
+    """Inner states that handle an urgent event which a state around them handles too."""
     if graph.outer_first:
         return
     for node in graph.nodes:
@@ -283,7 +285,7 @@ def _hidden_handlers(graph: Graph) -> Iterator[Fault]:
 
 
 def _left_landings(graph: Graph) -> Iterator[Fault]:
-    """A landing that a transition of a state around it can break off."""
+    """Landings that a transition of a state around them can break off."""
     for node in graph.nodes:
         if not (node.invocation and node.invocation.behavior.ends_landed):
             continue
@@ -301,7 +303,7 @@ def _left_landings(graph: Graph) -> Iterator[Fault]:
 
 
 def _covers(vocabulary: Vocabulary, pattern: str, event: str) -> bool:
-    """Whether whatever ``event`` names is taken by ``pattern`` as well."""
+    """Whether every event that matches ``event`` matches ``pattern`` as well."""
     if pattern == "*":
         name = event.removesuffix(".*") + (".x" if event.endswith(".*") else "")
         return not name.startswith("error.") and not vocabulary.is_urgent(name)

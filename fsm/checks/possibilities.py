@@ -1,6 +1,7 @@
-"""What each state of a graph can lead to when guards are ignored, as operations on bit masks.
+"""The effects that each state of a graph can have when guards are ignored, as bit masks.
 
-A mask has one bit for the index of each state. :mod:`fsm.checks.exploration` walks with these.
+A mask has one bit for the index of each state. :mod:`fsm.checks.exploration` makes its moves of
+them.
 """
 
 from __future__ import annotations
@@ -13,15 +14,15 @@ from typing import NamedTuple, TypeVar
 from fsm.chart.entry_sets import entry_set
 from fsm.chart.graph import Edge, Graph, Node
 from fsm.chart.selection import chain
-from fsm.checks.regions import regions_apart
+from fsm.checks.regions import independent_states
 
 Task = tuple[str, int, int] | None
-"""What moves a configuration on: a behaviour or a timer; None for what comes at once."""
+"""The behaviour or timer that makes a move; None for a move that is made at once."""
 T = TypeVar("T")
 
 
 class Effect(NamedTuple):
-    """What a transition does to a configuration."""
+    """The effect of a transition: which leaves and ends of behaviours it keeps, what it enters."""
 
     kept: int
     kept_ended: int
@@ -29,32 +30,32 @@ class Effect(NamedTuple):
 
 
 class Course(NamedTuple):
-    """What one outcome of a behaviour or one timer may lead to."""
+    """The effects that one outcome of a behaviour, or one timer, can have."""
 
     task: Task
     unless: int
-    """It does not come when one of these has ended."""
+    """The mask of ends after which it cannot happen any more."""
     mark: int
-    """What has ended then."""
+    """The mask of ends that it adds."""
     effects: tuple[Effect | None, ...]
-    """None where the states stay as they are."""
+    """None where no state is left."""
 
 
 class Possibilities:
-    """What can happen in each state of a graph."""
+    """The moves that are possible in each state of a graph."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self.nodes = graph.nodes
-        self.apart = regions_apart(graph)
+        self.independent = independent_states(graph)
         self.chains = [tuple(chain(node, graph.outer_first)) for node in graph.nodes]
-        """For each state those around it too, in the order in which they are asked."""
+        """By state: it and those around it, in the order in which events are offered to them."""
         self._effects: dict[Edge, tuple[Effect, ...]] = {}
         self._choices: dict[tuple[int, str], list[Edge | None]] = {}
 
     @cached_property
     def landing(self) -> int:
-        """The states that land, by themselves or by a state around them."""
+        """The leaves in or around which a behaviour ends on the ground."""
         return self.mask(
             leaf
             for leaf in self.nodes
@@ -64,14 +65,15 @@ class Possibilities:
         )
 
     @cached_property
-    def choosing(self) -> int:
-        """The states in or around which there is an ``always``."""
+    def with_always(self) -> int:
+        """The leaves in or around which there is an ``always``."""
         return self.mask(
             leaf for leaf in self.nodes if any(n.always for n in (leaf, *leaf.ancestors))
         )
 
     @cached_property
     def finals(self) -> int:
+        """The final states."""
         return self.mask(node for node in self.nodes if node.type == "final")
 
     @cached_property
@@ -82,20 +84,24 @@ class Possibilities:
         )
 
     @cached_property
-    def whole(self) -> Node | None:
+    def root_parallel(self) -> Node | None:
         """The parallel state, if any, whose end is the mission's."""
         owned = (n for n in self.nodes if n.type == "parallel" and n.owner is self.graph.root)
         return next(owned, None)
 
     @cached_property
-    def happenings(self) -> list[tuple[Effect, ...]]:
-        """For each state, what events and conditions may do there and around it."""
-        here = [tuple(self._happenings(node)) for node in self.nodes]
+    def triggered(self) -> list[tuple[Effect, ...]]:
+        """By leaf: the effects of all transitions by events and conditions, its own and those of
+        the states around it.
+        """
+        here = [tuple(self._triggered(node)) for node in self.nodes]
         return [self._around(leaf, here) for leaf in self.nodes]
 
     @cached_property
     def courses(self) -> list[tuple[Course, ...]]:
-        """For each state, what behaviours and timers there and around it may lead to."""
+        """By leaf: the courses of behaviours and timers, its own and those of the states around
+        it.
+        """
         here = [(*self._outcomes(node), *self._timers(node)) for node in self.nodes]
         return [self._around(leaf, here) for leaf in self.nodes]
 
@@ -105,7 +111,7 @@ class Possibilities:
         found = (each for node in self.chains[leaf.index] for each in here[node.index])
         return tuple(dict.fromkeys(found))
 
-    def _happenings(self, node: Node) -> Iterator[Effect]:
+    def _triggered(self, node: Node) -> Iterator[Effect]:
         events = (edges for trigger, edges in node.on if "." in trigger or trigger == "*")
         for edges in (*events, *(when.edges for when in node.whens)):
             for edge in edges:
@@ -128,12 +134,12 @@ class Possibilities:
 
     def _timers(self, node: Node) -> Iterator[Course]:
         for number, after in enumerate(node.afters):
-            edges = [edge for edge in until_unguarded(after.edges) if edge and edge.targets]
+            edges = [edge for edge in up_to_unguarded(after.edges) if edge and edge.targets]
             effects = tuple(effect for edge in edges for effect in self.effects(edge))
             yield Course(("after", node.index, number), 0, 0, effects)
 
     def effects(self, edge: Edge) -> tuple[Effect, ...]:
-        """What taking a transition does; several where history decides."""
+        """The effects of a transition; several where they depend on what history remembers."""
         found = self._effects.get(edge)
         if found is None:
             domain = edge.domain
@@ -148,34 +154,33 @@ class Possibilities:
         return found
 
     def mask(self, nodes: Iterable[Node]) -> int:
-        """Those without states inside that are followed at all."""
+        """The mask of the leaves among these states, without those of independent regions."""
         found = 0
         for node in nodes:
-            if not node.children and node.index not in self.apart:
+            if not node.children and node.index not in self.independent:
                 found |= node.mask
         return found
 
     def entries(self, domain: Node, targets: tuple[Node, ...]) -> list[list[Node]]:
-        """What may be entered: a history state stands for any state it could remember."""
+        """The sets of states that may be entered; history may give any that it could remember."""
         asked: dict[int, Node] = {}
 
         def first(history: Node) -> tuple[Node, ...]:
             asked[history.index] = history
             return history.initial
 
-        entered = entry_set(domain, targets, first)
+        entered = entry_set(domain, targets, first).states
         if not asked:
             return [entered]
         found = []
         for picked in product(*(_remembered(history) for history in asked.values())):
             memory = dict(zip(asked, picked, strict=True))
-            found.append(
-                entry_set(domain, targets, lambda h, memory=memory: memory.get(h.index, h.initial))  # type: ignore[misc]
-            )
+            chosen = entry_set(domain, targets, lambda h, memory=memory: memory.get(h.index))  # type: ignore[misc]
+            found.append(chosen.states)
         return found
 
     def choices(self, nodes: Sequence[Node], word: str) -> list[Edge | None]:
-        """Every transition that may take an event here; None where it may find nobody."""
+        """The transitions that may take an event; None at the end where all may refuse it."""
         found: list[Edge | None] = []
         for node in nodes:
             for edge in node.edges_for(word, self.graph.vocabulary):
@@ -195,11 +200,11 @@ class Possibilities:
         return [node for node in around if node in within]
 
     def takers(self, event: str) -> int:
-        """The states without states inside, in or around which somebody may take an event."""
+        """The mask of the leaves in or around which a transition may take an event."""
         return self.mask(leaf for leaf in self.nodes if self.offered(leaf.index, event) != [None])
 
     def offered(self, leaf: int, event: str) -> list[Edge | None]:
-        """What an event may do when offered to a state and then outwards."""
+        """The transitions that may take an event which is offered to a leaf and then outwards."""
         found = self._choices.get((leaf, event))
         if found is None:
             found = self._choices[leaf, event] = self.choices(self.chains[leaf], event)
@@ -212,8 +217,8 @@ def owner_of(final: Node) -> Node:
     return final.parent.owner
 
 
-def until_unguarded(edges: Sequence[Edge]) -> list[Edge | None]:
-    """The alternatives that may be taken; None at the end where all may be refused."""
+def up_to_unguarded(edges: Sequence[Edge]) -> list[Edge | None]:
+    """The alternatives up to the first without a guard; None at the end if all have one."""
     found: list[Edge | None] = []
     for edge in edges:
         found.append(edge)
@@ -223,7 +228,7 @@ def until_unguarded(edges: Sequence[Edge]) -> list[Edge | None]:
 
 
 def _remembered(history: Node) -> list[tuple[Node, ...]]:
-    """Everything a history state may stand for."""
+    """The sets of states that a history state may remember."""
     assert history.parent is not None
     among = inside(history.parent) if history.deep else iter(history.parent.children)
     options = [n for n in among if n.type != "history" and not (history.deep and n.children)]

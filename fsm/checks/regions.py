@@ -1,4 +1,4 @@
-"""Which regions of parallel states have nothing to do with what is outside of them."""
+"""Finds regions of parallel states that have no effect on the rest of their graph."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from fsm.chart.entry_sets import default_entry
 from fsm.chart.graph import Graph, Node
 
 
-def regions_apart(graph: Graph) -> frozenset[int]:
-    """The states of regions that change nothing outside themselves; they are not followed.
+def independent_states(graph: Graph) -> frozenset[int]:
+    """The indices of all states in independent regions; the safety proof leaves them out.
 
-    Such a region takes no event that must land, lands nothing, has no transition and no outcome
-    that leads out of it, and nobody waits for it to finish.
+    An independent region handles no event that must land, has no behaviour that lands, no
+    transition and no outcome that leads out of it, and nothing waits for it to finish.
     """
-    apart: set[int] = set()
+    independent: set[int] = set()
     for parallel in graph.nodes:
-        if parallel.type != "parallel" or parallel.index in apart:
+        if parallel.type != "parallel" or parallel.index in independent:
             continue
         waited_for = any(
             place.type == "parallel"
@@ -24,15 +24,15 @@ def regions_apart(graph: Graph) -> frozenset[int]:
         if waited_for:
             continue
         regions = default_entry(parallel)
-        alone = [region for region in regions if _stands_apart(graph, parallel, region)]
+        alone = [region for region in regions if _is_independent(graph, parallel, region)]
         if len(alone) == len(regions):
             alone = alone[1:]
         for region in alone:
-            apart.update(range(region.index, region.last + 1))
-    return frozenset(apart)
+            independent.update(range(region.index, region.last + 1))
+    return frozenset(independent)
 
 
-def _stands_apart(graph: Graph, parallel: Node, region: Node) -> bool:
+def _is_independent(graph: Graph, parallel: Node, region: Node) -> bool:
     vocabulary = graph.vocabulary
     around = (parallel, *parallel.ancestors)
     for node in graph.nodes[region.index : region.last + 1]:

@@ -1,4 +1,6 @@
-"""Faults of a graph's shape alone, whatever language it was written in: ways in and ways out."""
+"""Checks of a graph's structure that hold for YAML and SCXML alike: states that cannot be reached
+or left, transitions that can never be taken.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,9 @@ from vencejo.errors import Fault
 
 
 def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator[Fault]:
-    """A state that nothing leaves: no transition out of it, nor out of any state around it.
+    """States that no transition leaves, neither their own nor one of a state around them.
 
-    ``can_finish`` tells of a region whether it may be the end of its parallel state.
+    ``can_finish`` says of a region whether it can finish, and so end its parallel state.
     """
     for node in graph.nodes:
         if node.children or node.type in ("final", "history"):
@@ -40,7 +42,7 @@ def _beside(graph: Graph, node: Node) -> Iterator[Node]:
 
 
 def leaves(edge: Edge, node: Node) -> bool:
-    """Whether taking a transition leaves a state."""
+    """Whether a transition leaves a state."""
     return edge.domain is not None and (edge.domain.contains(node) or edge.domain is node)
 
 
@@ -52,7 +54,10 @@ def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
 
 
 def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Iterator[Fault]:
-    """Transitions behind one that takes all; ``covers`` tells it of a pattern and another."""
+    """Transitions that are never taken because one before them takes all their events.
+
+    ``covers`` says whether its first pattern takes all events of its second.
+    """
     for node in graph.nodes:
         for edges in _groups(node):
             for earlier, later in pairwise(edges):
@@ -76,7 +81,7 @@ def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Itera
 
 
 def endless_always(graph: Graph) -> Iterator[Fault]:
-    """A loop of unguarded ``always`` transitions would never come to rest."""
+    """Loops of unguarded ``always`` transitions, which would never end."""
     for start in graph.nodes:
         node, seen = start, set[int]()
         while True:

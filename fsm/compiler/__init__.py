@@ -1,1 +1,1 @@
-"""From the spec of a mission to a compiled graph."""
+"""Compiles the spec of a mission to a graph."""

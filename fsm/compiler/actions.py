@@ -1,25 +1,25 @@
-"""What a state graph can do: assign, append, raise, send, cancel, log, and call functions."""
+"""Compiles actions: set, append, raise, send, cancel, log, and call."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NoReturn
+from dataclasses import dataclass
+from typing import NoReturn
 
-from fsm.chart.graph import Action
+from fsm.chart.executable import Action, EventFields, Run, Runtime
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, collecting, read_value
 from fsm.expressions.scope import Binding
-from fsm.host import Vocabulary
-from fsm.language.keys import EVENT_NAME, SMALL_NAME
-from fsm.language.spec import ActionSpec
+from fsm.host import Function
+from fsm.language.keys import AT, EVENT_NAME, SMALL_NAME
+from fsm.language.spec import ActionKind, ActionSpec
 from fsm.values.functions import as_text, bounded
 from fsm.values.types import ANY, TEXT, ListOf, MapOf, Number, Type, fits
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, kind
+from vencejo.nodes import Scalar, YamlNode, kind
 from vencejo.units import TIME
 
-_SEND_KEYS = frozenset({"event", "to", "with", "delay", "id"})
 _NO_FUNCTIONS = "functions to call stand, marked with @action, in a Python file under `uses`"
 
 Events = Mapping[str, Mapping[str, Type]]
@@ -28,7 +28,7 @@ Events = Mapping[str, Mapping[str, Type]]
 def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
     """The event that an action raises or sends, with the names of its fields."""
     node, body = spec.node, None
-    name: Node | None = node if spec.kind == "raise" else None
+    name: YamlNode | None = node if spec.kind == "raise" else None
     if spec.kind == "raise" and isinstance(node, MapNode) and len(node.entries) == 1:
         name, body = node.entries[0]
     elif spec.kind == "send" and isinstance(node, MapNode) and not node.get("to"):
@@ -38,36 +38,32 @@ def raised(spec: ActionSpec) -> tuple[str, tuple[str, ...]] | None:
     return name.text, tuple(key.text for key, _ in body) if isinstance(body, MapNode) else ()
 
 
-def compile_action(
-    spec: ActionSpec, context: Context, events: Events, vocabulary: Vocabulary
-) -> Action:
-    """An action ready to run. Raises UserError."""
-    match spec.kind:
-        case "set":
-            return _set(spec, context)
-        case "append":
-            return _append(spec, context)
-        case "log":
-            return _log(spec, context)
-        case "raise":
-            return _raise(spec, context, events)
-        case "send":
-            return _send(spec, context, events)
-        case "cancel":
-            return _cancel(spec, context)
-        case "call":
-            return _call(spec, context, vocabulary)
+@dataclass(frozen=True, slots=True, eq=False)
+class Environment:
+    """The names that the actions of a state can use."""
+
+    context: Context
+    """Variables and places, for reading values."""
+    events: Events
+    """Declared events with their fields."""
+    functions: Mapping[str, Function]
+    """Registered functions, for `call`."""
 
 
-def _log(spec: ActionSpec, context: Context) -> Action:
+def compile_action(spec: ActionSpec, environment: Environment) -> Action:
+    """Compile an action. Raises UserError."""
+    return Action(spec.kind, spec.where, _COMPILERS[spec.kind](spec, environment), spec.node)
+
+
+def _log(spec: ActionSpec, environment: Environment) -> Run:
     node = spec.node
     # A value by itself is shown as it would be inside a text.
     alone = isinstance(node, Scalar) and "$" in node.text
-    text = read_value(node, ANY if alone else TEXT, context)
-    return Action("log", spec.where, lambda i, e: i.record("log", text=as_text(text(i.slots, e))))
+    text = read_value(node, ANY if alone else TEXT, environment.context)
+    return lambda i, e: i.record("log", text=as_text(text(i.slots, e)))
 
 
-def _map(node: Node, what: str) -> MapNode:
+def _map(node: YamlNode, what: str) -> MapNode:
     if isinstance(node, MapNode):
         return node
     raise UserError("wrong-type", f"`{what}` is a map, not {kind(node)}", node.where)
@@ -101,7 +97,7 @@ def _assignments(spec: ActionSpec, context: Context) -> list[tuple[Binding, Comp
 
 
 def _assignment(
-    spec: ActionSpec, name: Scalar, node: Node, context: Context
+    spec: ActionSpec, name: Scalar, node: YamlNode, context: Context
 ) -> tuple[Binding, Compiled]:
     variable = _variable(name, context)
     place = variable.type
@@ -119,12 +115,12 @@ def _mistyped(name: Scalar, message: str) -> NoReturn:
     raise UserError("wrong-type", message, name.where)
 
 
-def _set(spec: ActionSpec, context: Context) -> Action:
-    assignments = _assignments(spec, context)
+def _set(spec: ActionSpec, environment: Environment) -> Run:
+    assignments = _assignments(spec, environment.context)
     if len(assignments) == 1:
-        return Action("set", spec.where, _set_one(*assignments[0]))
+        return _set_one(*assignments[0])
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         # All right sides first, so that {a: $b, b: $a} swaps.
         values = [bounded(value.function(slots, event)) for _, value in assignments]
@@ -132,14 +128,14 @@ def _set(spec: ActionSpec, context: Context) -> Action:
             slots[variable.slot] = value
             instance.records.append(("set", {"name": variable.name, "value": value}))
 
-    return Action("set", spec.where, run)
+    return run
 
 
-def _set_one(variable: Binding, value: Compiled) -> Callable[[Any, dict[str, Any]], None]:
-    """What nearly every `set` does, in half the time."""
+def _set_one(variable: Binding, value: Compiled) -> Run:
+    """Assign one variable, as nearly every `set` does: half the time of the general case."""
     name, slot, function = variable.name, variable.slot, value.function
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         new = slots[slot] = bounded(function(slots, event))
         instance.records.append(("set", {"name": name, "value": new}))
@@ -147,10 +143,10 @@ def _set_one(variable: Binding, value: Compiled) -> Callable[[Any, dict[str, Any
     return run
 
 
-def _append(spec: ActionSpec, context: Context) -> Action:
-    assignments = _assignments(spec, context)
+def _append(spec: ActionSpec, environment: Environment) -> Run:
+    assignments = _assignments(spec, environment.context)
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         values = [value(slots, event) for _, value in assignments]
         for (variable, _), value in zip(assignments, values, strict=True):
@@ -158,18 +154,18 @@ def _append(spec: ActionSpec, context: Context) -> Action:
             slots[variable.slot] = bounded([*(slots[variable.slot] or ()), value])
             instance.record("append", name=variable.name, value=value)
 
-    return Action("append", spec.where, run)
+    return run
 
 
 def _fields(
-    node: Node | None, shape: Mapping[str, Type], context: Context, where: Where
+    node: YamlNode | None, shape: Mapping[str, Type], context: Context, where: Where
 ) -> Compiled:
-    """The fields of an event; those declared for it must be there."""
+    """Compile the fields of an event; all that are declared for it are required."""
     fields = MapOf(shape, frozenset(shape)) if shape else MapOf()
     return read_value(node if node is not None else MapNode([], where), fields, context)
 
 
-def _event_name(node: Node | None, where: Where) -> str:
+def _event_name(node: YamlNode | None, where: Where) -> str:
     name = node.text if isinstance(node, Scalar) else ""
     if not EVENT_NAME.fullmatch(name):
         raise UserError("bad-event", "the name of an event with a dot is missing here", where)
@@ -178,9 +174,9 @@ def _event_name(node: Node | None, where: Where) -> str:
     return name
 
 
-def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
+def _raise(spec: ActionSpec, environment: Environment) -> Run:
     node = spec.node
-    body: Node | None = None
+    body: YamlNode | None = None
     if isinstance(node, MapNode):
         if len(node.entries) != 1:
             raise UserError("wrong-type", "`raise` names one event", node.where)
@@ -188,25 +184,27 @@ def _raise(spec: ActionSpec, context: Context, events: Events) -> Action:
         name = _event_name(key, key.where)
     else:
         name = _event_name(node, node.where)
-    fields = _fields(body, events.get(name, {}), context, node.where)
-    return Action("raise", spec.where, lambda i, e: i.raise_event(name, fields(i.slots, e)))
+    fields = _fields(body, environment.events.get(name, {}), environment.context, node.where)
+    return lambda i, e: i.raise_event(name, fields(i.slots, e))
 
 
-def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
+def _send(spec: ActionSpec, environment: Environment) -> Run:
+    context = environment.context
     node = _map(spec.node, "send")
     for key, _ in node:
-        if key.text not in _SEND_KEYS:
-            hint = nearest(key.text, _SEND_KEYS)
+        if key.text not in AT["send"]:
+            hint = nearest(key.text, AT["send"])
             raise UserError("unknown-key", f"`send` has no '{key.text}'", key.where, hint)
     name = _event_name(node.get("event"), node.where)
     to = _receiver(node.get("to"), context)
     # Which fields an event has is the receiver's to say.
-    fields = _fields(node.get("with"), {} if to else events.get(name, {}), context, node.where)
+    shape = {} if to else environment.events.get(name, {})
+    fields = _fields(node.get("with"), shape, context, node.where)
     delay_node, id_node = node.get("delay"), node.get("id")
     delay = read_value(delay_node, Number(TIME, 0.0), context) if delay_node else None
     id_ = read_value(id_node, TEXT, context) if id_node else None
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
         instance.send(
             name,
@@ -216,11 +214,11 @@ def _send(spec: ActionSpec, context: Context, events: Events) -> Action:
             to,
         )
 
-    return Action("send", spec.where, run)
+    return run
 
 
-def _receiver(node: Node | None, context: Context) -> str:
-    """The vehicle an event is sent to; empty for one's own."""
+def _receiver(node: YamlNode | None, context: Context) -> str:
+    """The name of the vehicle that an event is sent to; empty for its own. Raises UserError."""
     if node is None:
         return ""
     if not isinstance(node, Scalar) or not SMALL_NAME.fullmatch(node.text):
@@ -235,7 +233,7 @@ def _receiver(node: Node | None, context: Context) -> str:
     return node.text
 
 
-def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
+def _call(spec: ActionSpec, environment: Environment) -> Run:
     name, body = spec.node, None
     if isinstance(name, MapNode):
         if len(name.entries) != 1:
@@ -243,9 +241,9 @@ def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
         name, body = name.entries[0]
     if not isinstance(name, Scalar):
         raise UserError("wrong-type", f"`call` names a function, not {kind(name)}", name.where)
-    function = vocabulary.functions.get(name.text)
+    function = environment.functions.get(name.text)
     if function is None:
-        hint = nearest(name.text, vocabulary.functions) or _NO_FUNCTIONS
+        hint = nearest(name.text, environment.functions) or _NO_FUNCTIONS
         message = f"there is no function '{name.text}' to call"
         raise UserError("unknown-function", message, name.where, hint)
     parameters = function.parameters
@@ -254,16 +252,27 @@ def _call(spec: ActionSpec, context: Context, vocabulary: Vocabulary) -> Action:
     if function.on_trust:
         shape = MapOf()
     given = MapNode([], name.where) if body is None else _map(body, name.text)
-    arguments = read_value(given, shape, context)
+    arguments = read_value(given, shape, environment.context)
 
-    def run(instance: Any, event: dict[str, Any]) -> None:
+    def run(instance: Runtime, event: EventFields) -> None:
         values = arguments(instance.slots, event)
         instance.record("call", name=function.name, **{"with": values})
         instance.host.call(function.name, values)
 
-    return Action("call", spec.where, run)
+    return run
 
 
-def _cancel(spec: ActionSpec, context: Context) -> Action:
-    id_ = read_value(spec.node, TEXT, context)
-    return Action("cancel", spec.where, lambda i, e: i.cancel(id_(i.slots, e)))
+def _cancel(spec: ActionSpec, environment: Environment) -> Run:
+    id_ = read_value(spec.node, TEXT, environment.context)
+    return lambda i, e: i.cancel(id_(i.slots, e))
+
+
+_COMPILERS: Mapping[ActionKind, Callable[[ActionSpec, Environment], Run]] = {
+    "set": _set,
+    "append": _append,
+    "raise": _raise,
+    "send": _send,
+    "cancel": _cancel,
+    "log": _log,
+    "call": _call,
+}

@@ -1,6 +1,6 @@
-"""The names of a mission: what each state's expressions can see, and in which slot it lies.
+"""The names that a mission declares: their scopes, their types and their slots.
 
-What is declared wrongly stays known, as a name of unknown type: one mistake makes one fault.
+A name that is declared wrongly stays known, with an unknown type: one mistake makes one fault.
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from fsm.chart.graph import Data, Invocation, Node
+from fsm.chart.draft import StateDraft
+from fsm.chart.executable import Data, Invocation
 from fsm.compiler.actions import raised
 from fsm.compiler.namespace import OWN_EVENTS, Namespace
 from fsm.compiler.parameters import constant_value, named_type, read_parameter, widened
@@ -28,42 +29,53 @@ from vencejo.units import TIME
 
 
 class Declarations:
-    """Everything a mission declares, with the graphs it includes."""
+    """The declarations of a mission and of the graphs that it includes."""
 
     def __init__(self, vocabulary: Vocabulary, tree: Tree, faults: Faults) -> None:
         self.vocabulary = vocabulary
         self.tree = tree
         self.faults = faults
-        self.slots = tree.first_slot + len(tree.nodes)
-        self.scopes: dict[int, Scope] = {}
+        self.first_slot = FIRST_HOST_SLOT + len(vocabulary.names)
+        """The first of the slots that hold the states' times of entry, in document order."""
+        self.slots = self.first_slot + len(tree.states)
+        self.scopes: list[Scope] = []
+        """By the index of the state."""
         self.graphs: dict[int, Namespace] = {}
-        """The names of the graph that begins at a state."""
-        self._names: dict[int, Namespace] = {}
-        """By state."""
-        self._declare(tree.root, Scope())
+        """The namespace of each graph, by the index of its root."""
+        self._names: list[Namespace] = []
+        """By the index of the state."""
+        self._declare_graph(tree.root)
         for index in reversed(self.graphs):
-            self._collect_raised(tree.nodes[index])
+            self._collect_raised(tree.states[index])
 
-    def of(self, node: Node) -> Namespace:
-        """The names of the graph that a state belongs to."""
-        return self._names[node.index]
+    def of(self, state: StateDraft) -> Namespace:
+        """The namespace of the graph that a state belongs to."""
+        return self._names[state.index]
 
     def slot(self) -> int:
+        """Reserve the next free slot."""
         self.slots += 1
         return self.slots - 1
 
     # -- names of a whole graph -------------------------------------------------------------
 
-    def _begin(self, root: Node) -> Scope:
-        """What all states of a graph see, whatever is around it."""
+    def _declare_graph(self, root: StateDraft) -> None:
+        """Declare the names that all states of a graph see, then those of each state."""
         spec = self.tree.graphs[root.index]
         names = self.graphs[root.index] = Namespace(self.vocabulary)
         names.events.update({**OWN_EVENTS, **self.vocabulary.events})
         self._read_places(spec, names)
         scope = self._host_scope()
+        scope.states = self._states(root)
         self._read_parameters(spec, names, scope)
         self._read_events(spec, names)
-        return scope
+        self._declare(root, names, scope)
+
+    def _states(self, root: StateDraft) -> dict[str, int]:
+        """The states of a graph by the paths that ``active('…')`` uses in it."""
+        around = root.owner.path + "." if root.owner.path else ""
+        inside = self.tree.states[root.index + 1 : root.last + 1]
+        return {state.path.removeprefix(around): state.index for state in inside}
 
     def _host_scope(self) -> Scope:
         scope = Scope()
@@ -110,15 +122,15 @@ class Declarations:
                 )
             names.events[name] = fields
 
-    def _collect_raised(self, root: Node) -> None:
-        """Events that behaviours or actions of a graph raise are known everywhere in it."""
+    def _collect_raised(self, root: StateDraft) -> None:
+        """Make the events that behaviours and actions of a graph raise known in all of it."""
         names = self.graphs[root.index]
-        for node in self.tree.nodes[root.index : root.last + 1]:
-            if self.of(node) is not names:
+        for state in self.tree.states[root.index : root.last + 1]:
+            if self.of(state) is not names:
                 continue
-            if node.invocation:
-                names.events.update(node.invocation.behavior.events)
-            for action in _actions(self.tree.specs[node.index]):
+            if state.invocation:
+                names.events.update(state.invocation.behavior.events)
+            for action in _actions(self.tree.specs[state.index]):
                 found = raised(action)
                 if found is not None and found[0] not in names.events:
                     name, fields = found
@@ -129,34 +141,25 @@ class Declarations:
 
     # -- names of each state ----------------------------------------------------------------
 
-    def _declare(self, node: Node, outer: Scope) -> None:
-        """Give a state its scope, then those inside it theirs."""
-        spec = self.tree.specs[node.index]
-        if node.border:
-            outer = self._begin(node)
-            self._names[node.index] = self.graphs[node.index]
-        elif node.parent is not None:
-            self._names[node.index] = self._names[node.parent.index]
-        scope = outer.inside(node.entered_slot)
-        if node.border:
-            scope.states = self._states(node)
-        self.scopes[node.index] = scope
-        node.data = tuple(self._data(named, scope, self.of(node)) for named in spec.data)
+    def _declare(self, state: StateDraft, names: Namespace, outer: Scope) -> None:
+        """Declare the names of a state, then those of the states inside it."""
+        spec = self.tree.specs[state.index]
+        scope = outer.inside(self.first_slot + state.index)
+        self.scopes.append(scope)
+        self._names.append(names)
+        state.data = tuple([self._data(named, scope, names) for named in spec.data])
         if spec.do is not None:
-            self._declare_behavior(node, spec.do, spec.as_, scope)
+            self._declare_behavior(state, spec.do, spec.as_, scope)
         for define in spec.define:
             with self.faults.collecting():
                 scope.declare(
                     Define(define.name, define.arguments, define.body, scope), define.where
                 )
-        for child in node.children:
-            self._declare(child, scope)
-
-    def _states(self, root: Node) -> dict[str, int]:
-        """The states of a graph, as ``active('…')`` names them there."""
-        around = root.owner.path + "." if root.owner.path else ""
-        inside = self.tree.nodes[root.index + 1 : root.last + 1]
-        return {node.path.removeprefix(around): node.index for node in inside}
+        for child in state.children:
+            if child.border:
+                self._declare_graph(child)
+            else:
+                self._declare(child, names, scope)
 
     def _data(self, named: Named, scope: Scope, names: Namespace) -> Data:
         name, where = named.name.text, named.name.where
@@ -172,7 +175,7 @@ class Declarations:
     def _first_value(
         self, named: Named, context: Context, nothing: Compiled
     ) -> tuple[Type, Compiled]:
-        """The type of a variable and what it begins as."""
+        """The type of a variable and its first value."""
         node = named.node
         if not isinstance(node, MapNode):
             initial = read_value(node, ANY, context)
@@ -189,7 +192,10 @@ class Declarations:
         type_ = (named_type(declared, self.faults) if declared else None) or ANY
         return type_, read_value(default, type_, context) if default else nothing
 
-    def _declare_behavior(self, node: Node, do: Scalar, as_: Scalar | None, scope: Scope) -> None:
+    def _declare_behavior(
+        self, state: StateDraft, do: Scalar, as_: Scalar | None, scope: Scope
+    ) -> None:
+        """Give a state its behaviour, and a name to the values that it publishes."""
         behavior = self.vocabulary.behaviors.get(do.text)
         name = as_ or do
         if behavior is None:
@@ -214,7 +220,7 @@ class Declarations:
                 "no-values", f"'{behavior.name}' publishes nothing to be named", as_.where
             )
             scope.names.setdefault(name.text, Binding(name.text, "published", ANY))
-        node.invocation = Invocation(behavior, {}, {}, slot)
+        state.invocation = Invocation(behavior, {}, {}, slot)
 
 
 def _actions(spec: StateSpec) -> Iterator[ActionSpec]:

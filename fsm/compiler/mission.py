@@ -1,30 +1,34 @@
 """Compiles a mission's spec against its host's vocabulary into a :class:`fsm.chart.graph.Graph`.
 
-States come from :mod:`fsm.compiler.tree`, names from :mod:`fsm.compiler.declarations`; what
-stands in each state is compiled here. Every fault is collected, so that one check shows them all.
-What the finished structure must fulfil is tested in :mod:`fsm.checks.mission`.
+The states are drafted by :mod:`fsm.compiler.tree` and their names declared by
+:mod:`fsm.compiler.declarations`; their actions, transitions and values are compiled here. Every
+fault is collected, so that one check shows them all. The rules for the finished structure stand in
+:mod:`fsm.checks.mission`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import combinations
+from types import MappingProxyType
 
-from fsm.chart.graph import Action, After, Edge, Given, Graph, Guard, Invocation, Node, When
+from fsm.chart.draft import StateDraft, TransitionDraft, compatible
+from fsm.chart.executable import Action, Given
+from fsm.chart.graph import Graph, build_nodes
 from fsm.checks.mission import check
-from fsm.compiler import actions
+from fsm.compiler.actions import Environment, compile_action
 from fsm.compiler.declarations import Declarations
 from fsm.compiler.namespace import FAILED_FIELDS, Fields
 from fsm.compiler.parameters import parse_parameters
-from fsm.compiler.tree import Tree, domain_of
+from fsm.compiler.tree import Tree
 from fsm.compiler.unused import unused
 from fsm.expressions.compiled import Compiled, compile_expression
 from fsm.expressions.literals import read_value
-from fsm.expressions.scope import FIRST_HOST_SLOT, Scope, start
+from fsm.expressions.scope import Scope, start
 from fsm.faults import Faults
-from fsm.host import Parameter, Vocabulary
+from fsm.host import Parameter, Vocabulary, matches
 from fsm.language.spec import (
     ActionSpec,
     DefineSpec,
@@ -33,7 +37,7 @@ from fsm.language.spec import (
     TransitionSpec,
     TriggerSpec,
 )
-from fsm.values.types import ANY, BOOL, MapOf, Number
+from fsm.values.types import ANY, BOOL, MapOf, Number, Type
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
@@ -44,44 +48,53 @@ __all__ = ["compile_mission", "parse_parameters"]
 def compile_mission(
     spec: MissionSpec, vocabulary: Vocabulary, found: Iterable[Fault] = ()
 ) -> Graph:
-    """The graph of a mission. Raises UserError with every fault that would keep it from flying.
+    """Compile a mission. Raises UserError with every fault that would keep it from flying.
 
-    ``found`` are the faults found in it before; they are reported with the others.
+    ``found`` are faults that were found in it before; they are reported with the others.
     """
     faults = Faults(found)
-    tree = Tree(spec, FIRST_HOST_SLOT + len(vocabulary.names), faults)
+    tree = Tree(spec, faults)
     names = Declarations(vocabulary, tree, faults)
     own = names.of(tree.root)
     compiler = _Compiler(tree, names, faults)
-    for node in tree.nodes:
-        compiler.fill(node)
+    for state in tree.states:
+        compiler.fill(state)
     graph = Graph(
         name=spec.name,
         description=spec.description,
-        root=tree.root,
-        nodes=tuple(tree.nodes),
-        parameters=own.parameters,
-        parameter_slots=own.parameter_slots,
+        nodes=build_nodes(tree.states, names.first_slot, pattern_matches),
+        parameters=MappingProxyType(own.parameters),
+        parameter_slots=MappingProxyType(own.parameter_slots),
         vocabulary=vocabulary,
         slots=names.slots,
-        events=own.known_events,
+        events=MappingProxyType(own.known_events),
         world=spec.world.text if spec.world else None,
         outer_first=spec.outer_first,
-        by_path={node.path: node for node in tree.nodes},
         source=spec,
     )
-    faults.extend(check(graph, compiler.flawed))
+    faults.extend(check(graph, {graph.nodes[state.index] for state in compiler.flawed}))
     # A define's mistake shows at each of its uses, always at the same place.
     ordered = sorted(dict.fromkeys(faults), key=lambda fault: fault.where or Where(""))
     ordered.sort(key=lambda fault: fault.severity)
     if ordered and ordered[0].severity == "error":
         raise UserError.of(ordered)
-    graph.warnings = (*ordered, *unused(spec))
-    return graph
+    return replace(graph, warnings=(*ordered, *unused(spec)))
+
+
+def pattern_matches(pattern: str, event: str, vocabulary: Vocabulary) -> bool:
+    """Whether a pattern under ``on`` matches an event or outcome.
+
+    ``*`` matches neither ``error.…`` nor the host's urgent events.
+    """
+    if "*" not in pattern:
+        return pattern == event
+    if pattern == "*":
+        return not event.startswith("error.") and not vocabulary.is_urgent(event)
+    return matches(pattern, event)
 
 
 class _Compiler:
-    """Compiles what stands in each state."""
+    """Compiles the contents of each state into its draft."""
 
     def __init__(self, tree: Tree, names: Declarations, faults: Faults) -> None:
         self.tree = tree
@@ -89,65 +102,67 @@ class _Compiler:
         self.faults = faults
         self.vocabulary = names.vocabulary
         self.own = names.of(tree.root)
-        """The names of the graph whose states are being filled."""
+        """The namespace of the graph whose states are being filled."""
         self.events = self.own.known_events
-        self.flawed: set[Node] = set()
+        self.flawed: set[StateDraft] = set()
         """States with transitions or children that could not be compiled."""
-        self.trusting = any(n.invocation and n.invocation.behavior.on_trust for n in tree.nodes)
+        self.trusting = any(s.invocation and s.invocation.behavior.on_trust for s in tree.states)
 
-    # -- what stands in each state ----------------------------------------------------------
+    # -- the contents of each state ---------------------------------------------------------
 
-    def fill(self, node: Node) -> None:
-        spec, scope = self.tree.specs[node.index], self.names.scopes[node.index]
-        if self.names.of(node) is not self.own:
-            self.own = self.names.of(node)
+    def fill(self, state: StateDraft) -> None:
+        """Compile everything that stands in a state into its draft."""
+        spec, scope = self.tree.specs[state.index], self.names.scopes[state.index]
+        if self.names.of(state) is not self.own:
+            self.own = self.names.of(state)
             self.events = self.own.known_events
-        node.entry = self.actions(spec.entry, scope)
-        node.exit_actions = self.actions(spec.exit, scope)
-        node.throughout = self.actions(spec.throughout, scope)
-        if node.invocation:
-            self.invocation(node, spec, scope)
-        elif spec.do:
-            # Unknown, and that is told; what it is given may be wrong too.
-            self.given(spec.do.text, {}, spec, spec.do, scope, trusted=True)
+        state.entry = self.actions(spec.entry, scope)
+        state.exit_actions = self.actions(spec.exit, scope)
+        state.throughout = self.actions(spec.throughout, scope)
+        if spec.do:
+            self.invocation(state, spec, spec.do, scope)
         if spec.include:
-            self.include(node, spec, spec.include, scope)
+            self.include(state, spec, spec.include, scope)
         for define in spec.define:
             with self.faults.collecting():
                 self.define(define, scope)
-        output = {}
+        state.output = self.output(spec, scope)
+        known = len(self.faults)
+        self.triggers(state, spec, scope)
+        failed = any(fault.severity == "error" for fault in self.faults[known:])
+        if spec.flawed or failed or self.tree.lacks(state):
+            self.flawed.add(state)
+
+    def output(self, spec: StateSpec, scope: Scope) -> list[tuple[str, Compiled]]:
+        found = []
         for named in spec.output:
             with self.faults.collecting():
-                output[named.name.text] = read_value(named.node, ANY, self.own.context(scope))
-        node.output = output
-        on: list[tuple[str, tuple[Edge, ...]]] = []
-        whens: list[When] = []
-        afters: list[After] = []
-        always: list[Edge] = []
-        before = self.faults.errors
+                value = read_value(named.node, ANY, self.own.context(scope))
+                found.append((named.name.text, value))
+        return found
+
+    def triggers(self, state: StateDraft, spec: StateSpec, scope: Scope) -> None:
+        """Compile the transitions of a state, by kind of trigger."""
+        on, whens, afters, always = [], [], [], []
         for trigger in spec.triggers:
+            key = trigger.key
             with self.faults.collecting():
                 match trigger.kind:
                     case "on":
-                        event = self.event_scope(node, trigger, scope)
-                        on.append((trigger.key.text, self.edges(node, trigger, event)))
+                        event = self.event_scope(state, trigger, scope)
+                        on.append((key.text, self.alternatives(state, trigger, event)))
                     case "when":
-                        text, where = trigger.key.text, start(trigger.key)
-                        condition = compile_expression(text, where, scope, BOOL)
-                        whens.append(When(condition, self.edges(node, trigger, scope)))
+                        condition = expression(key, scope, BOOL)
+                        whens.append((condition, self.alternatives(state, trigger, scope)))
                     case "after":
-                        text, where = trigger.key.text, start(trigger.key)
-                        duration = compile_expression(text, where, scope, Number(TIME))
-                        afters.append(After(duration, self.edges(node, trigger, scope)))
+                        duration = expression(key, scope, Number(TIME))
+                        afters.append((duration, self.alternatives(state, trigger, scope)))
                     case "always":
-                        always.extend(self.edges(node, trigger, scope))
-        node.on, node.whens = tuple(on), tuple(whens)
-        node.afters, node.always = tuple(afters), tuple(always)
-        if spec.flawed or self.faults.errors > before or self.tree.lacks(node):
-            self.flawed.add(node)
+                        always.extend(self.alternatives(state, trigger, scope))
+        state.on, state.whens, state.afters, state.always = on, whens, afters, always
 
     def define(self, define: DefineSpec, scope: Scope) -> None:
-        """A define is compiled once by itself, so that one nobody uses is checked too."""
+        """Compile a define by itself, so that an unused one is checked too. Raises UserError."""
         for argument in define.arguments:
             if scope.find(argument) is not None:
                 raise UserError(
@@ -159,84 +174,106 @@ class _Compiler:
         arguments = dict.fromkeys(define.arguments, ANY)
         compile_expression(define.body.text, start(define.body), scope, arguments=arguments)
 
-    def event_scope(self, node: Node, trigger: TriggerSpec, scope: Scope) -> Scope:
-        name, where = trigger.key.text, trigger.key.where
-        if name == "*" or name.endswith(".*"):
-            family = name[:-1]
-            if name != "*" and not any(event.startswith(family) for event in self.own.events):
-                if self.trusting:
-                    return scope.with_event(MapOf())
-                families = {event.split(".")[0] + ".*" for event in self.events}
-                raise UserError(
-                    "unknown-event",
-                    f"no event begins with '{family}'",
-                    where,
-                    nearest(name, families),
-                )
-            return scope.with_event(MapOf())
-        if "." in name:
-            if name not in self.events and self.trusting:
-                return scope.with_event(MapOf())
-            if name not in self.events:
-                raise UserError(
-                    "unknown-event",
-                    f"there is no event '{name}'",
-                    where,
-                    nearest(name, self.events),
-                )
-            return scope.with_event(MapOf(self.events[name]))
-        outcomes = self.outcomes(node)
+    def event_scope(self, state: StateDraft, trigger: TriggerSpec, scope: Scope) -> Scope:
+        """The scope of an ``on`` transition, in which ``event`` has the fields of the trigger.
+
+        Raises UserError for an event or outcome that cannot occur here.
+        """
+        fields = self.event_fields(state, trigger.key)
+        if any(each.guard or each.actions for each in trigger.alternatives):
+            return scope.with_event(MapOf(fields))
+        return scope  # Most transitions have no expression that could ask for it.
+
+    def event_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
+        """The fields of the event or outcome that a trigger names; None when they are not known.
+
+        Raises UserError for one that cannot occur here.
+        """
+        name = key.text
+        if name == "*":
+            return None
+        if name.endswith(".*"):
+            self.require_family(key)
+            return None
+        if "." not in name:
+            return self.outcome_fields(state, key)
+        if name not in self.events and not self.trusting:
+            message = f"there is no event '{name}'"
+            raise UserError("unknown-event", message, key.where, nearest(name, self.events))
+        return self.events.get(name)
+
+    def require_family(self, key: Scalar) -> None:
+        """Raise UserError unless some event matches a pattern such as ``battery.*``."""
+        family = key.text[:-1]
+        if not self.trusting and not any(event.startswith(family) for event in self.own.events):
+            families = {event.split(".")[0] + ".*" for event in self.events}
+            message = f"no event begins with '{family}'"
+            raise UserError("unknown-event", message, key.where, nearest(key.text, families))
+
+    def outcome_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
+        """The fields of an outcome, as :meth:`event_fields` gives them."""
+        outcomes, name = self.outcomes(state), key.text
         if outcomes is None:
-            return scope.with_event(MapOf())
+            return None
         if name not in outcomes:
             event = next((e for e in self.events if e.replace(".", "_") == name), None)
             raise UserError(
                 "unknown-outcome",
                 f"nothing in this state ends with the outcome '{name}'",
-                where,
+                key.where,
                 f"did you mean the event '{event}'?" if event else nearest(name, outcomes),
             )
-        fields = outcomes[name]
-        return scope.with_event(MapOf(fields))
+        return outcomes[name]
 
-    def outcomes(self, node: Node) -> dict[str, Fields | None] | None:
+    def outcomes(self, state: StateDraft) -> dict[str, Fields | None] | None:
         """Every outcome that can be offered to a state, with its fields where they are known.
 
         None when a behaviour inside is unknown: then any may be.
         """
         found: dict[str, list[Fields | None]] = {}
-        if node.type == "parallel" and node.owner is node:
-            found["done"] = [{}]
-        for inner in self.tree.nodes[node.index : node.last + 1]:
-            same = self.names.of(inner) is self.own
-            if inner.invocation and inner.invocation.behavior.on_trust:
+        for inner in self.tree.states[state.index : state.last + 1]:
+            if self.in_doubt(inner):
                 return None
-            if inner.invocation:
-                outcomes = {**inner.invocation.behavior.outcomes, "failed": FAILED_FIELDS}
-                for word, fields in outcomes.items():
-                    # Of what an included graph goes through, only `failed` climbs out of it.
-                    if word == "failed" or (same and (word != "done" or inner is node)):
-                        found.setdefault(word, []).append(fields)
-            elif self.tree.specs[inner.index].do is not None or self.tree.lacks(inner):
-                return None
-            if inner.type == "final" and inner.parent:
-                owner, spec = inner.parent.owner, self.tree.specs[inner.index]
-                if self.names.of(owner) is self.own and (inner.outcome != "done" or owner is node):
-                    output = {named.name.text: ANY for named in spec.output}
-                    found.setdefault(inner.outcome, []).append(output)
-            if inner.type == "parallel" and inner.owner is node:
-                found.setdefault("done", []).append({})
-            if self.tree.specs[inner.index].include and same:
-                found.setdefault("failed", []).append(FAILED_FIELDS)
+            for word, fields in self.offered(inner, state):
+                found.setdefault(word, []).append(fields)
         return {word: _common(fields) for word, fields in found.items()}
 
-    def invocation(self, node: Node, spec: StateSpec, scope: Scope) -> None:
-        invocation = node.invocation
-        assert invocation is not None and spec.do is not None
+    def in_doubt(self, state: StateDraft) -> bool:
+        """Whether the outcomes of a state's behaviour or included graph are unknown."""
+        if state.invocation is not None:
+            return state.invocation.behavior.on_trust
+        return self.tree.specs[state.index].do is not None or self.tree.lacks(state)
+
+    def offered(self, inner: StateDraft, state: StateDraft) -> Iterator[tuple[str, Fields | None]]:
+        """The outcomes, with their fields, that ``inner`` offers to ``state``.
+
+        ``inner`` is ``state`` itself or lies inside it.
+        """
+        spec = self.tree.specs[inner.index]
+        same = self.names.of(inner) is self.own
+        if inner.invocation:
+            for word, fields in inner.invocation.behavior.outcomes.items():
+                # Of what an included graph goes through, only `failed` climbs out of it.
+                if same and word != "failed" and (word != "done" or inner is state):
+                    yield word, fields
+        if inner.invocation or (spec.include and same):
+            yield "failed", FAILED_FIELDS
+        if inner.type == "parallel" and inner.owner is state:
+            yield "done", {}
+        if inner.type == "final" and inner.parent:
+            owner = inner.parent.owner
+            if self.names.of(owner) is self.own and (inner.outcome != "done" or owner is state):
+                yield inner.outcome, {named.name.text: ANY for named in spec.output}
+
+    def invocation(self, state: StateDraft, spec: StateSpec, do: Scalar, scope: Scope) -> None:
+        """Compile the parameters that a state gives to its behaviour."""
+        invocation = state.invocation
+        if invocation is None:
+            # An unknown behaviour is reported already; its parameters are still compiled.
+            self.given(do.text, {}, spec, do, scope, trusted=True)
+            return
         behavior = invocation.behavior
-        values = self.given(
-            behavior.name, behavior.parameters, spec, spec.do, scope, behavior.on_trust
-        )
+        values = self.given(behavior.name, behavior.parameters, spec, do, scope, behavior.on_trust)
         for named in spec.live:
             parameter = behavior.parameters.get(named.name.text)
             if parameter is not None and not parameter.live:
@@ -246,15 +283,16 @@ class _Compiler:
                     named.name.where,
                     "write it under `with`",
                 )
-        node.invocation = Invocation(behavior, values["with"], values["live"], invocation.slot)
+        with_, live = MappingProxyType(values["with"]), MappingProxyType(values["live"])
+        state.invocation = replace(invocation, with_=with_, live=live)
 
-    def include(self, node: Node, spec: StateSpec, word: Scalar, scope: Scope) -> None:
-        """The parameters of an included graph, from the state that includes it."""
-        if not node.children:
-            # It was not found, and that is told; what it is given may be wrong too.
+    def include(self, state: StateDraft, spec: StateSpec, word: Scalar, scope: Scope) -> None:
+        """Compile the parameters that a state gives to the graph that it includes."""
+        if not state.children:
+            # A missing graph is reported already; its parameters are still compiled.
             self.given(word.text, {}, spec, word, scope, trusted=True)
             return
-        (root,) = node.children
+        (root,) = state.children
         names = self.names.of(root)
         values = self.given(word.text, names.parameters, spec, word, scope)
         root.given = tuple(
@@ -287,7 +325,11 @@ class _Compiler:
         scope: Scope,
         trusted: bool = False,
     ) -> dict[str, dict[str, Compiled]]:
-        """The parameters that stand under ``with`` and ``live``; required ones must be there."""
+        """Compile the parameters under ``with`` and ``live``, and report required ones that lack.
+
+        ``name`` is that of the behaviour or graph, ``place`` where it is named; one that is
+        ``trusted`` may be given any parameter.
+        """
         context = self.own.context(scope)
         values: dict[str, dict[str, Compiled]] = {"with": {}, "live": {}}
         for key, entries in (("with", spec.with_), ("live", spec.live)):
@@ -326,54 +368,59 @@ class _Compiler:
         if not specs:
             return ()
         found: list[Action] = []
-        context, events = self.own.context(scope), self.own.events
+        context, functions = self.own.context(scope), self.vocabulary.functions
+        environment = Environment(context, self.own.events, functions)
         for spec in specs:
             with self.faults.collecting():
-                action = actions.compile_action(spec, context, events, self.vocabulary)
-                found.append(replace(action, node=spec.node))
+                found.append(compile_action(spec, environment))
         return tuple(found)
 
-    def edges(self, node: Node, trigger: TriggerSpec, scope: Scope) -> tuple[Edge, ...]:
+    def alternatives(
+        self, state: StateDraft, trigger: TriggerSpec, scope: Scope
+    ) -> list[TransitionDraft]:
         found = []
         for spec in trigger.alternatives:
             with self.faults.collecting():
-                found.append(self.edge(node, trigger, spec, scope))
-        return tuple(found)
+                found.append(self.transition(state, trigger, spec, scope))
+        return found
 
-    def edge(self, node: Node, trigger: TriggerSpec, spec: TransitionSpec, scope: Scope) -> Edge:
-        edge = Edge(node, trigger.kind, trigger.key.text, spec.where, spec.name)
-        edge.reenter = spec.reenter
-        if spec.guard:
-            edge.guard = compile_expression(spec.guard.text, start(spec.guard), scope, BOOL)
-            edge.conditions.append(Guard(edge.guard))
-        if spec.hold:
-            edge.hold = compile_expression(spec.hold.text, start(spec.hold), scope, Number(TIME))
-        edge.actions = self.actions(spec.actions, scope)
-        edge.targets = self.targets(node, spec)
-        if edge.targets:
-            edge.dest = ", ".join(target.path for target in edge.targets)
-            edge.domain = domain_of(node, edge.targets, spec.reenter)
-        return edge
+    def transition(
+        self, state: StateDraft, trigger: TriggerSpec, spec: TransitionSpec, scope: Scope
+    ) -> TransitionDraft:
+        return TransitionDraft(
+            trigger.kind,
+            trigger.key.text,
+            spec.where,
+            reenter=spec.reenter,
+            guard=expression(spec.guard, scope, BOOL) if spec.guard else None,
+            hold=expression(spec.hold, scope, Number(TIME)) if spec.hold else None,
+            actions=self.actions(spec.actions, scope),
+            targets=self.targets(state, spec),
+            name=spec.name,
+        )
 
-    def targets(self, node: Node, spec: TransitionSpec) -> tuple[Node, ...]:
-        targets = tuple([self.tree.target(node, target) for target in spec.targets])
-        if len(targets) < 2:
-            return targets
-        for (one, a), (two, b) in combinations(zip(spec.targets, targets, strict=True), 2):
-            common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
-            if common.type != "parallel" or common in (a, b):
-                raise UserError(
-                    "conflicting-targets",
-                    f"'{one.text}' and '{two.text}' cannot be entered together",
-                    two.where,
-                    "several targets lie in different regions of one parallel state; "
-                    "alternatives are a list of transitions",
-                )
+    def targets(self, source: StateDraft, spec: TransitionSpec) -> tuple[StateDraft, ...]:
+        targets = tuple([self.tree.target(source, target) for target in spec.targets])
+        if len(targets) > 1:
+            for (one, a), (two, b) in combinations(zip(spec.targets, targets, strict=True), 2):
+                if not compatible(a, b):
+                    raise UserError(
+                        "conflicting-targets",
+                        f"'{one.text}' and '{two.text}' cannot be entered together",
+                        two.where,
+                        "several targets lie in different regions of one parallel state; "
+                        "alternatives are a list of transitions",
+                    )
         return targets
 
 
+def expression(scalar: Scalar, scope: Scope, wanted: Type) -> Compiled:
+    """Compile an expression that is written without ``$``. Raises UserError."""
+    return compile_expression(scalar.text, start(scalar), scope, wanted)
+
+
 def _common(known: list[Fields | None]) -> Fields | None:
-    """The fields that an outcome has whoever ends with it."""
+    """The fields that an outcome has whichever state ends with it; None when some are unknown."""
     fields = [entry for entry in known if entry is not None]
     if len(fields) < len(known):
         return None

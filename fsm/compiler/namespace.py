@@ -1,4 +1,4 @@
-"""What one graph declares for all its states: places, parameters and events.
+"""The namespace of a graph: the places, parameters and events that all its states see.
 
 A mission has one namespace, and one more for each graph it includes, each time it does: an included
 graph sees its own names and the host's, nothing of what is around it.
@@ -26,7 +26,7 @@ OWN_EVENTS: Mapping[str, Fields] = MappingProxyType(
 
 @dataclass(eq=False)
 class Namespace:
-    """The names of one graph that belong to none of its states."""
+    """The names that a graph declares for all its states."""
 
     vocabulary: Vocabulary
     places: dict[str, Any] = field(default_factory=dict)
@@ -39,14 +39,15 @@ class Namespace:
 
     @property
     def known_events(self) -> Mapping[str, Fields]:
+        """All events of the graph with their fields, declared or raised."""
         return {**self.raised, **self.events}
 
     def context(self, scope: Scope) -> Context:
-        """Where values of this graph are read."""
+        """The context in which values in a scope of this graph are read."""
         return Context(scope, self.places, self.vocabulary.places, self.vocabulary.peers)
 
     def climb_to(self, outer: Namespace) -> None:
-        """Make the events of an included graph known to the one around it: they leave it."""
+        """Make the events of this included graph known to the graph around it, which hears them."""
         for name, fields in self.events.items():
             outer.events.setdefault(name, fields)
         for name, fields in self.raised.items():

@@ -12,13 +12,12 @@ from fsm.expressions.literals import Context, read_value
 from fsm.expressions.scope import Scope
 from fsm.faults import Faults
 from fsm.host import Parameter
+from fsm.language.keys import AT
 from fsm.language.spec import Named
 from fsm.values.types import ANY, NAMED, TEXT, ListOf, Number, Text, Type
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, Sequence, read_text
-
-PARAMETER_KEYS = frozenset({"type", "default", "min", "max", "choices", "help"})
+from vencejo.nodes import Scalar, Sequence, YamlNode, read_text
 
 
 def parse_parameters(graph: Graph, given: Mapping[str, str]) -> dict[str, Any]:
@@ -57,24 +56,24 @@ def _given(text: str, type_: Type, place: Where) -> Any:
     """The value of a text from the command line."""
     if isinstance(type_, Text):
         # A text needs no quotes there, whatever it holds.
-        node: Node = Scalar(text.replace("$", "$$"), place, plain=False)
+        node: YamlNode = Scalar(text.replace("$", "$$"), place, plain=False)
     else:
         node = read_text(f"value: {text}", str(place)).entries[0][1]
     return read_value(node, type_, Context()).value()
 
 
 def read_parameter(named: Named, context: Context, faults: Faults) -> Parameter:
-    """A declared parameter; what is wrong with one of its keys goes to ``faults``.
+    """Read a declared parameter; faults of single keys are added to ``faults``.
 
-    Raises UserError when nothing can be told of it.
+    Raises UserError when its default cannot be read.
     """
     node, name = named.node, named.name.text
     if not isinstance(node, MapNode):
         compiled = constant_value(node, ANY, context)
         return Parameter(name, widened(compiled.type), compiled.value())
     for key, _ in node:
-        if key.text not in PARAMETER_KEYS:
-            hint = nearest(key.text, PARAMETER_KEYS)
+        if key.text not in AT["parameter"]:
+            hint = nearest(key.text, AT["parameter"])
             faults.fail("unknown-key", f"a parameter has no '{key.text}'", key.where, hint)
     declared, default, help_ = node.get("type"), node.get("default"), node.get("help")
     type_: Type = ANY
@@ -93,7 +92,7 @@ def read_parameter(named: Named, context: Context, faults: Faults) -> Parameter:
     )
 
 
-def _default(name: str, node: Node, type_: Type, context: Context) -> Any:
+def _default(name: str, node: YamlNode, type_: Type, context: Context) -> Any:
     try:
         return constant_value(node, type_, context).value()
     except UserError as error:
@@ -132,16 +131,16 @@ def _bounded(node: MapNode, type_: Type, context: Context, faults: Faults) -> Ty
     return type_
 
 
-def constant_value(node: Node, type_: Type, context: Context) -> Compiled:
-    """A plain value, known before anything runs. Raises UserError."""
+def constant_value(node: YamlNode, type_: Type, context: Context) -> Compiled:
+    """Compile a value that does not change while the mission runs. Raises UserError."""
     compiled = read_value(node, type_, Context(Scope(), context.places, context.world_places))
     if not compiled.constant:
         raise UserError("not-constant", "only a plain value may stand here", node.where)
     return compiled
 
 
-def named_type(node: Node, faults: Faults) -> Type | None:
-    """The type that stands after ``type:``."""
+def named_type(node: YamlNode, faults: Faults) -> Type | None:
+    """The type that a ``type:`` names; None, with a fault, when there is none of that name."""
     if isinstance(node, Scalar) and node.text in NAMED:
         return NAMED[node.text]
     text = f"'{node.text}'" if isinstance(node, Scalar) else "this"

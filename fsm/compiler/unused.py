@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from fsm.language.spec import MissionSpec
 from vencejo.errors import Fault
-from vencejo.nodes import Mapping, Node, Scalar
+from vencejo.nodes import Mapping, Scalar, YamlNode
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _PROSE = frozenset({"description", "help"})
@@ -34,7 +34,7 @@ def unused(spec: MissionSpec) -> list[Fault]:
     ]
 
 
-def _texts(root: Node) -> Iterator[str]:
+def _texts(root: YamlNode) -> Iterator[str]:
     """All keys and values of a file, but for its prose."""
     left = [root]
     while left:

@@ -1,4 +1,4 @@
-"""Lines between two rows: horizontal tracks on which no two of them run upon each other.
+"""Channel routing: horizontal tracks for the lines between two rows, so that none overlap.
 
 A net joins terminals of the row above (``upper``) and of the row below (``lower``); a terminal is
 the x of a vertical piece. Where a terminal of one net stands under a terminal of another, the one
@@ -14,19 +14,19 @@ from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 NEAR = 4.0
-"""Verticals nearer than this would run upon each other."""
+"""Vertical pieces nearer than this, in pixels, would overlap."""
 
 
 @dataclass(eq=False, slots=True)
 class Net:
-    """Terminals joined in one channel, and the tracks found for them."""
+    """Terminals that are joined in one channel, and the tracks found for them."""
 
     upper: list[float]
     lower: list[float]
     upper_track: int = 0
     lower_track: int = 0
     spine: float | None = None
-    """Where it changes from its upper to its lower track, if those are two."""
+    """The x at which it changes from its upper to its lower track, if those are two."""
 
     @property
     def straight(self) -> bool:
@@ -41,13 +41,13 @@ class _Part:
     left: float
     right: float
     below: set[int] = field(default_factory=set)
-    """Parts that must lie further down."""
+    """The indices of the parts that must lie further down."""
 
 
 def route(nets: Sequence[Net], low: float, high: float) -> int:
-    """Give every net its tracks, counted from above; the number of tracks.
+    """Give every net its tracks, counted from above, and return the number of tracks.
 
-    Spines are placed between ``low`` and ``high``.
+    Spines are placed between the x ``low`` and ``high``.
     """
     parts = [
         _Part(net, net.upper, net.lower, *_extent([*net.upper, *net.lower]))
@@ -88,9 +88,9 @@ def _constrain(parts: list[_Part]) -> None:
 
 
 def _sorted(parts: list[_Part]) -> tuple[list[int], list[_Part]]:
-    """Indices so that each comes before those below it; the parts in or behind a circle.
+    """Topological order of the parts, upper ones first, and the parts in or behind a cycle.
 
-    Of those that may come next, the one comes that crosses others least.
+    Of the parts that may come next, the one that crosses fewest others does.
     """
     above = [0] * len(parts)
     for part in parts:
@@ -122,7 +122,9 @@ def _rank(part: _Part) -> tuple[float, float]:
 
 
 def _pack(order: list[int], parts: list[_Part]) -> int:
-    """The highest track for each that is below what must be above it and free along its extent."""
+    """Give each part the highest track that is free along its extent and below all that must be
+    above it; return the number of tracks.
+    """
     least = [0] * len(parts)
     tracks: list[list[_Part]] = []
     for index in order:
@@ -146,7 +148,7 @@ def _pack(order: list[int], parts: list[_Part]) -> int:
 
 
 def _free(wish: float, taken: list[float], low: float, high: float) -> float:
-    """A place near the wished one where nothing else is vertical; the widest gap if all is full."""
+    """The x nearest to the wished one that keeps clear of all others; in the widest gap if none."""
     steps = range(int(high - low) + 1)
     for x in sorted((low + step for step in steps), key=lambda x: (abs(x - wish), x)):
         if all(abs(x - other) >= NEAR for other in taken):

@@ -1,4 +1,4 @@
-"""Places along one axis: as near as may be to where each would like to be, in order and apart."""
+"""Coordinates along one axis: as near as possible to the wished ones, in order and with gaps."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 
 def settle(wished: Sequence[float], weights: Sequence[float], gaps: Sequence[float]) -> list[float]:
-    """Places with ``place[i + 1] - place[i] >= gaps[i]``, at the least weighted square distance.
+    """Coordinates with ``x[i + 1] - x[i] >= gaps[i]``, at the least weighted square distance.
 
     Isotonic regression by pooling adjacent violators (Ayer et al. 1955): exact, in linear time.
     """
@@ -28,7 +28,7 @@ def settle(wished: Sequence[float], weights: Sequence[float], gaps: Sequence[flo
 def slots(
     wished: Sequence[float], taken: Sequence[float], low: float, high: float, gap: float
 ) -> list[float]:
-    """Places between ``low`` and ``high``, each ``gap`` from the others and from those taken.
+    """Coordinates between ``low`` and ``high``, each ``gap`` from the others and from those taken.
 
     There is always room when ``high - low`` is at least twice the gap for each of them.
     """

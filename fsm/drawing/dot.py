@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsm.chart.graph import Graph, Node
-from fsm.drawing.words import edge_label, node_lines, stays
+from fsm.drawing.labels import edge_label, node_lines, stays
 
 
 def write_dot(graph: Graph) -> str:

@@ -1,4 +1,4 @@
-"""One state laid out: its own words, the states in it, and the lines between them."""
+"""Lays out one state: its own text, the states in it, and the lines between them."""
 
 from __future__ import annotations
 
@@ -7,29 +7,29 @@ from dataclasses import dataclass
 from math import ceil
 
 from fsm.chart.graph import Node
+from fsm.drawing.arrangement import BORDER, PORT_GAP, arrange
 from fsm.drawing.channels import Net, route
-from fsm.drawing.picture import XY
-from fsm.drawing.placing import BORDER, PORT_GAP, place
-from fsm.drawing.rows import Item, Key, Rows, Terminal, Wires, layers_of
+from fsm.drawing.diagram import XY
+from fsm.drawing.labels import edges_label, node_lines
+from fsm.drawing.rows import Bundle, Item, Key, Rows, Terminal, layers_of
 from fsm.drawing.widths import text_width
 from fsm.drawing.wiring import Leg, Wire, toward
-from fsm.drawing.words import edges_label, node_lines
 
 NAME_SIZE, LINE_SIZE, LABEL_SIZE = 13.0, 11.0, 11.0
 NAME_HEIGHT, LINE_HEIGHT = 18.0, 15.0
 PAD = 14.0
 TRACK = 8.0
 ARROW = 16.0
-"""Below the last track: a corner and a head."""
+"""Height below the last track, for a corner and an arrowhead."""
 DOT = 10.0
 HISTORY = 26.0
 BESIDE = 6.0
-"""From a line to its label."""
+"""Pixels from a line to its label."""
 
 
 @dataclass(eq=False)
 class Inside:
-    """A state's size, and what is where in it, from its upper left corner."""
+    """The size of a state and the coordinates of all in it, from its upper left corner."""
 
     node: Node
     name: str
@@ -38,20 +38,20 @@ class Inside:
     height: float
     rows: Rows
     items: dict[Node, Item]
-    """Children."""
+    """The boxes of its children."""
     starts: dict[Key, Item]
-    """Where lines begin here: ports of the upper border, initial dots."""
+    """The items where lines begin: ports of the upper border, initial dots."""
     ends: dict[Key, Item]
-    """Ports of the lower border."""
+    """The ports of the lower border, where lines end."""
     labels: dict[Wire, Item]
-    nets: dict[Wires, tuple[Net, float]]
-    """Tracks, and where the first one of the channel is."""
+    nets: dict[Bundle, tuple[Net, float]]
+    """The tracks of each bundle, and the y of the first track of its channel."""
     tops: list[float]
     bottoms: list[float]
-    """Of the rows."""
+    """The upper and lower y of each row."""
 
     def at(self, terminal: Terminal, key: Key) -> XY:
-        """Where a line meets an item."""
+        """The point where a line meets an item."""
         item, top = terminal
         x = _x(item, top, key)
         if item.kind == "box":
@@ -61,21 +61,22 @@ class Inside:
         return x, self.tops[item.row] if top else self.bottoms[item.row]
 
     def follow(self, item: Item, name: Key, key: Key) -> Iterator[XY]:
-        """The points of a line from an item downwards to the child or port it leads to.
+        """The points of a line from an item to the child or port it leads to.
 
-        ``name`` is what the item calls it, ``key`` what the others do.
+        ``name`` is the line's key at that item, ``key`` its key at all others.
         """
         top = False
         if item.kind == "port":
             yield _x(item, top, name), 0.0
         while True:
-            wires = self.rows.leaving[item, top, name]
-            assert wires.sink is not None
-            net, first = self.nets[wires]
-            (x, y), (end_x, end_y) = self.at((item, top), wires.key), self.at(wires.sink, wires.key)
+            bundle = self.rows.leaving[item, top, name]
+            assert bundle.sink is not None
+            net, first = self.nets[bundle]
+            x, y = self.at((item, top), bundle.key)
+            end_x, end_y = self.at(bundle.sink, bundle.key)
             yield x, y
             leave = first + TRACK * (net.lower_track if top else net.upper_track)
-            arrive = first + TRACK * (net.lower_track if wires.sink[1] else net.upper_track)
+            arrive = first + TRACK * (net.lower_track if bundle.sink[1] else net.upper_track)
             if not net.straight:
                 yield x, leave
                 if net.spine is not None and leave != arrive:
@@ -83,7 +84,7 @@ class Inside:
                     yield net.spine, arrive
                 yield end_x, arrive
             yield end_x, end_y
-            item, top, name = wires.sink[0], not wires.sink[1], key
+            item, top, name = bundle.sink[0], not bundle.sink[1], key
             if item.kind == "port":
                 yield end_x, self.height
             if item.kind in ("box", "port"):
@@ -97,9 +98,9 @@ def lay_out(
     legs: Sequence[tuple[Leg, Wire]],
     ports: tuple[int, int],
 ) -> Inside:
-    """The inside of a state whose children are laid out.
+    """Lay out a state whose children are laid out already.
 
-    ``ports`` are those its own lines need in its upper and in its lower border.
+    ``ports`` are the numbers of ports that its own lines need in its upper and lower border.
     """
     lines = node_lines(node)
     width, height = _head_size(node, name, lines)
@@ -123,7 +124,7 @@ def lay_out(
         box = children[child]
         made.items[child] = rows.add(_box(box, 2 * layer + 2))
     _connect(made, legs)
-    place(rows, parallel)
+    arrange(rows, parallel)
     _finish(made, children, ports)
     return made
 
@@ -188,16 +189,16 @@ def _label(text: tuple[str, ...]) -> Item:
 
 
 def _finish(made: Inside, children: dict[Node, Inside], ports: tuple[int, int]) -> None:
-    """Tracks, heights and the state's own size, when all is in its column."""
+    """Find the tracks, the heights and the state's own size, once all items have their x."""
     rows = made.rows
     items = [item for row in rows.rows for item in row]
     right = max(item.left + item.width for item in items)
     up = ports[0] + sum(item.kind == "port" for item in rows.rows[0])
     down = ports[1] + len(made.ends)
     made.width = _even(max(right + 2 * PAD, BORDER * 2 + 2 * PORT_GAP * max(up, down)))
-    channels: list[list[Wires]] = [[] for _ in rows.rows]
-    for wires in rows.wires.values():
-        channels[wires.channel].append(wires)
+    channels: list[list[Bundle]] = [[] for _ in rows.rows]
+    for bundle in rows.bundles.values():
+        channels[bundle.channel].append(bundle)
     y = 0.0
     for index, row in enumerate(rows.rows):
         y = _channel(made, channels[index], y)
@@ -217,21 +218,21 @@ def _finish(made: Inside, children: dict[Node, Inside], ports: tuple[int, int]) 
     made.height = y
 
 
-def _net(wires: Wires) -> Net:
+def _net(bundle: Bundle) -> Net:
     net = Net([], [])
-    for item, top in wires.terminals:
-        (net.lower if top else net.upper).append(_x(item, top, wires.key))
+    for item, top in bundle.terminals:
+        (net.lower if top else net.upper).append(_x(item, top, bundle.key))
     net.upper.sort()
     net.lower.sort()
     return net
 
 
-def _channel(made: Inside, channel: list[Wires], y: float) -> float:
-    """Give the lines of a channel their tracks; where it ends."""
+def _channel(made: Inside, channel: list[Bundle], y: float) -> float:
+    """Give the lines of a channel their tracks, and return the y of its lower end."""
     if not channel:
         return y + 4
-    nets = [_net(wires) for wires in channel]
+    nets = [_net(bundle) for bundle in channel]
     tracks = route(nets, 4.0, made.width - 4)
-    for wires, net in zip(channel, nets, strict=True):
-        made.nets[wires] = net, y + TRACK
+    for bundle, net in zip(channel, nets, strict=True):
+        made.nets[bundle] = net, y + TRACK
     return y + TRACK + TRACK * max(tracks - 1, 0) + (ARROW if tracks else TRACK)

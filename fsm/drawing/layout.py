@@ -1,21 +1,21 @@
-"""A picture of a graph: every state laid out from the inside out, then put in its place."""
+"""Draws the diagram of a graph: lays out every state, inner ones first, then joins them."""
 
 from __future__ import annotations
 
 from itertools import pairwise
 
 from fsm.chart.graph import Graph, Node
+from fsm.drawing.diagram import XY, Box, Diagram, Label, Line
 from fsm.drawing.inside import BESIDE, LABEL_SIZE, LINE_HEIGHT, PAD, Inside, lay_out
-from fsm.drawing.picture import XY, Box, Label, Line, Picture
+from fsm.drawing.labels import edge_text, node_title
 from fsm.drawing.widths import text_width
 from fsm.drawing.wiring import Leg, Wire, wires_of
-from fsm.drawing.words import edge_text, node_title
 
 MARGIN = 12.0
 
 
-def draw(graph: Graph) -> Picture:
-    """The picture of a graph: the same one each time."""
+def draw(graph: Graph) -> Diagram:
+    """The diagram of a graph: the same one each time."""
     wires = wires_of(tuple(graph.nodes))
     legs: dict[Node, list[tuple[Leg, Wire]]] = {node: [] for node in graph.nodes}
     up, down = dict.fromkeys(graph.nodes, 0), dict.fromkeys(graph.nodes, 0)
@@ -30,11 +30,11 @@ def draw(graph: Graph) -> Picture:
     for node in reversed(graph.nodes):
         inner = {child: insides[child] for child in node.children}
         insides[node] = lay_out(node, _name(graph, node), inner, legs[node], (up[node], down[node]))
-    return _Assembly(graph, insides).picture(wires)
+    return _Assembly(graph, insides).diagram(wires)
 
 
 class _Assembly:
-    """Puts what is known of each state by itself into one picture."""
+    """Joins the layouts of the states into one diagram."""
 
     def __init__(self, graph: Graph, insides: dict[Node, Inside]) -> None:
         self.graph = graph
@@ -45,9 +45,9 @@ class _Assembly:
             for child, item in insides[node].items.items():
                 self.origins[child] = (x + PAD + item.left, y + item.y)
 
-    def picture(self, wires: tuple[Wire, ...]) -> Picture:
+    def diagram(self, wires: tuple[Wire, ...]) -> Diagram:
         root = self.insides[self.graph.root]
-        return Picture(
+        return Diagram(
             self.graph.name,
             self.graph.description,
             root.width + 2 * MARGIN,
@@ -79,7 +79,7 @@ class _Assembly:
             start = inside.items[leg.source] if leg.source else inside.starts[leg.out]
             dx, dy = self.origins[leg.inside]
             points.extend((x + dx, y + dy) for x, y in inside.follow(start, leg.out, leg.key))
-        told = "\n".join(edge_text(edge) or "always" for edge in wire.edges)
+        told = "\n".join(edge_text(edge) for edge in wire.edges)
         return Line(
             wire.source.path,
             wire.target.path,

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsm.chart.graph import Graph, Node
-from fsm.drawing.words import edge_label, node_lines, stays
+from fsm.drawing.labels import edge_label, node_lines, stays
 
 _OTHERS = str.maketrans('";#:{}<>\\', "',＃∶()＜＞＼")
 
 
 def write_mermaid(graph: Graph) -> str:
-    """The states and transitions of a graph; what stays inside a state is told in its box."""
+    """The graph as a state diagram; internal transitions stand in the box of their state."""
     lines = ["---", f'title: "{_plain(graph.name)}"', "---", "stateDiagram-v2"]
     for child in graph.root.children:
         lines.extend(_state(child, "  "))
@@ -64,5 +64,5 @@ def _edges(node: Node) -> Iterator[str]:
 
 
 def _plain(text: str) -> str:
-    """Without the letters that mean something to Mermaid."""
+    """The text in one line, with look-alikes for the letters that have a meaning in Mermaid."""
     return " ".join(text.split()).translate(_OTHERS)

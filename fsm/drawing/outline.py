@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fsm.chart.graph import Graph, Node
-from fsm.drawing.words import action_text, edge_text
+from fsm.drawing.labels import action_text, blocks, doing, edge_text
+from fsm.language.keys import AT
 
 
 def write_text(graph: Graph) -> str:
@@ -24,14 +25,13 @@ def _node(node: Node, depth: int) -> Iterator[str]:
     if node.invocation:
         given = {**node.invocation.with_, **node.invocation.live}
         names = f" ({', '.join(given)})" if given else ""
-        yield f"{indent}do {node.invocation.behavior.name}{names}"
-    blocks = (("entry", node.entry), ("throughout", node.throughout), ("exit", node.exit_actions))
-    for word, actions in blocks:
+        yield f"{indent}{doing(node)}{names}"
+    for word, actions in blocks(node):
         for action in actions:
             yield f"{indent}{word}: {action_text(action)}"
     for edge in node.edges():
         targets = ", ".join(_name(node, target) for target in edge.targets)
-        yield f"{indent}{edge_text(edge) or 'always'}{f' -> {targets}' if targets else ''}"
+        yield f"{indent}{edge_text(edge)}{f' -> {targets}' if targets else ''}"
     if node.type == "history":
         yield f"{indent}the first time -> {', '.join(_name(node, t) for t in node.initial)}"
     for child in node.children:
@@ -42,10 +42,10 @@ def _type(node: Node) -> str:
     if node.type == "history":
         return "deep history" if node.deep else "history"
     if node.type == "final" and node.outcome != "done":
-        return f"final, outcome {node.outcome}"
+        return f"final, {AT['final']['outcome'].label} {node.outcome}"
     return node.type
 
 
 def _name(source: Node, target: Node) -> str:
-    """A target as short as siblings are called."""
+    """The name of a target: short for a sibling, else its path."""
     return target.local_name if target.parent is source.parent else target.path or "the mission"

@@ -1,10 +1,10 @@
-"""The inside of one state as rows of things and the lines between them.
+"""The inside of one state as rows of items and the lines between them.
 
 Row 0 holds the state's heading and the ports where lines come in through its upper border, row 1
-labels, row 2 the first states, row 3 labels, …, the last one the ports of its lower border. Lines
-run from row to row: they leave states downwards and enter them from above. A line that must go up
-again turns below its source and rises beside it. Lines to the same target join on their way.
-After Sugiyama, Tagawa and Toda (1981).
+labels, row 2 the first layer of states, row 3 labels, …, the last row the ports of its lower
+border. A line that passes a row has a dummy item there. Lines leave states downwards and enter them
+from above; a line to a state further up turns below its source and rises beside it. Lines to the
+same target are bundled. Layered drawing after Sugiyama, Tagawa and Toda (1981).
 """
 
 from __future__ import annotations
@@ -15,33 +15,33 @@ from typing import Literal
 
 from fsm.chart.graph import Node
 
-Kind = Literal["head", "dot", "box", "label", "way", "port"]
+Kind = Literal["head", "dot", "box", "label", "dummy", "port"]
 Key = Hashable
 MARGINS: dict[Kind, float] = {
-    "head": 10.0, "dot": 10.0, "box": 14.0, "label": 7.0, "way": 3.0, "port": 4.0,
+    "head": 10.0, "dot": 10.0, "box": 14.0, "label": 7.0, "dummy": 3.0, "port": 4.0,
 }  # fmt: skip
-WAY = 14.0
-"""Width that a line needs."""
+LINE_WIDTH = 14.0
+"""The width that a line needs."""
 
 
 @dataclass(eq=False, slots=True)
 class Item:
-    """A thing in a row. ``x`` is where its line runs, ``anchor`` to the right of its left edge."""
+    """An item in a row. ``x`` is that of its line, which is ``anchor`` right of its left edge."""
 
     kind: Kind
     row: int
-    width: float = WAY
+    width: float = LINE_WIDTH
     height: float = 0.0
-    anchor: float = WAY / 2
+    anchor: float = LINE_WIDTH / 2
     node: Node | None = None
     text: tuple[str, ...] = ()
     stop: bool = False
-    """Of ports: the line begins or ends here, at the border."""
+    """For a port: the line begins or ends at the border instead of crossing it."""
     x: float = 0.0
     y: float = 0.0
     place: float = 0.0
     above: dict[Key, float] = field(default_factory=dict)
-    """Of states: where lines enter, from the middle."""
+    """For a state: the x of the ports in its upper border, from its middle."""
     below: dict[Key, float] = field(default_factory=dict)
 
     @property
@@ -50,17 +50,17 @@ class Item:
 
 
 def gap(one: Item, two: Item) -> float:
-    """How far apart the lines of neighbours are at least."""
+    """The least distance between the x of two neighbours."""
     return one.width - one.anchor + MARGINS[one.kind] + MARGINS[two.kind] + two.anchor
 
 
 Terminal = tuple[Item, bool]
-"""An item and whether its upper side is meant."""
+"""An item, and whether its upper side is meant."""
 
 
 @dataclass(eq=False, slots=True)
-class Wires:
-    """What is joined in one channel; all lines in it leave through ``sink``."""
+class Bundle:
+    """Lines to the same target that are joined in one channel; all of them lead to ``sink``."""
 
     channel: int
     key: Key
@@ -69,14 +69,14 @@ class Wires:
 
 
 class Rows:
-    """Items in rows, and what joins them."""
+    """The items of a state in rows, and the lines between them."""
 
     def __init__(self, layers: int) -> None:
         self.rows: list[list[Item]] = [[] for _ in range(2 * layers + 3)]
-        self.wires: dict[tuple[int, Key], Wires] = {}
-        self.leaving: dict[tuple[Item, bool, Key], Wires] = {}
-        """The way on from a terminal; the key tells the lines of a state apart."""
-        self._ways: dict[tuple[int, Key], Item] = {}
+        self.bundles: dict[tuple[int, Key], Bundle] = {}
+        self.leaving: dict[tuple[Item, bool, Key], Bundle] = {}
+        """The bundle of a line that leaves a terminal; its key tells the lines of a state apart."""
+        self._found: dict[tuple[int, Key], Item] = {}
 
     @property
     def last(self) -> int:
@@ -87,31 +87,31 @@ class Rows:
         return item
 
     def port(self, row: int, key: Key, stop: bool) -> Item:
-        found = self._ways.get((row, key))
+        found = self._found.get((row, key))
         if found is None:
-            found = self._ways[row, key] = self.add(Item("port", row))
+            found = self._found[row, key] = self.add(Item("port", row))
         found.stop = found.stop or stop
         return found
 
-    def _way(self, row: int, key: Key) -> Item:
-        found = self._ways.get((row, key))
+    def _dummy(self, row: int, key: Key) -> Item:
+        found = self._found.get((row, key))
         if found is None:
-            found = self._ways[row, key] = self.add(Item("way", row))
+            found = self._found[row, key] = self.add(Item("dummy", row))
         return found
 
     def _join(self, channel: int, key: Key, source: Terminal, sink: Terminal, name: Key) -> None:
-        """``name`` is what the source calls this line, where several leave it."""
-        wires = self.wires.get((channel, key))
-        if wires is None:
-            wires = self.wires[channel, key] = Wires(channel, key)
+        """Join two terminals in a channel; ``name`` is the line's key at its source."""
+        bundle = self.bundles.get((channel, key))
+        if bundle is None:
+            bundle = self.bundles[channel, key] = Bundle(channel, key)
         for terminal in (source, sink):
-            if terminal not in wires.terminals:
-                wires.terminals.append(terminal)
-        wires.sink = sink
-        self.leaving[source[0], source[1], name] = wires
+            if terminal not in bundle.terminals:
+                bundle.terminals.append(terminal)
+        bundle.sink = sink
+        self.leaving[source[0], source[1], name] = bundle
 
     def connect(self, source: Item, out: Key, sink: Item, key: Key, label: Item | None) -> None:
-        """Lead a line called ``out`` from a source to a sink, where it is called ``key``."""
+        """Lead a line from a source, where its key is ``out``, to a sink, where it is ``key``."""
         if source.row < sink.row:
             self._down(source, out, sink, key, label)
         else:
@@ -125,9 +125,9 @@ class Rows:
                 self._join(row, out, (place, False), (self.add(label), True), name)
                 place = label
             else:
-                way = self._way(row, key)
-                self._join(row, key, (place, False), (way, True), name)
-                place = way
+                dummy = self._dummy(row, key)
+                self._join(row, key, (place, False), (dummy, True), name)
+                place = dummy
             name = key
         self._join(sink.row, key, (place, False), (sink, True), name)
 
@@ -138,21 +138,21 @@ class Rows:
             place = self.add(label)
             self._join(row + 1, out, (source, False), (place, False), out)
         else:
-            place = self._way(row, key)
+            place = self._dummy(row, key)
             self._join(row + 1, key, (source, False), (place, False), out)
         for above in range(row - 1, sink.row - 1, -1):
-            way = self._way(above, key)
-            self._join(above + 1, key, (place, True), (way, False), key)
-            place = way
+            dummy = self._dummy(above, key)
+            self._join(above + 1, key, (place, True), (dummy, False), key)
+            place = dummy
         self._join(sink.row, key, (place, True), (sink, True), key)
 
 
 def layers_of(
     children: list[Node], initial: Iterable[Node], pairs: set[tuple[int, int]]
 ) -> list[int]:
-    """The layer of each child: the longest way from where it begins, ways back apart.
+    """The layer of each child: the longest path from the initial one, back edges left out.
 
-    ``pairs`` are indices into ``children``.
+    ``pairs`` are the transitions, as indices into ``children``.
     """
     following: list[list[int]] = [[] for _ in children]
     for source, target in sorted(pairs):
@@ -169,7 +169,7 @@ def layers_of(
 
 
 def _finished(starts: list[int], following: list[list[int]]) -> list[int]:
-    """Depth first, the last finished first: whatever leads backwards in it closes a circle."""
+    """Reverse postorder of a depth-first search; edges that lead backwards in it close a cycle."""
     seen: set[int] = set()
     done: list[int] = []
     for start in starts:

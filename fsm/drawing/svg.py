@@ -1,4 +1,4 @@
-"""A picture as SVG: no script, no font of its own, light and dark."""
+"""Writes a diagram as SVG, without scripts or fonts of its own, for light and dark pages."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import pairwise
 
 from fsm.chart.graph import Graph
+from fsm.drawing.diagram import XY, Box, Diagram, Line
 from fsm.drawing.inside import LABEL_SIZE, LINE_HEIGHT, LINE_SIZE, NAME_SIZE, PAD
 from fsm.drawing.layout import draw
-from fsm.drawing.picture import XY, Box, Line, Picture
 from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
 Piece = tuple[str, XY, XY]
-"""A straight piece of a line, with what the line leads to."""
+"""A straight piece of a line: the path of the line's target, and the two ends."""
 STYLE = f"""\
 text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1f2933; }}
 .name {{ font-size: {NAME_SIZE:g}px; font-weight: bold; }}
@@ -39,28 +39,28 @@ text {{ fill: #e4e7eb; }} .more {{ fill: #b0bcc8; }} .label {{ fill: #c3d3e3; }}
 
 
 def write_svg(graph: Graph) -> str:
-    """The graph's picture as an SVG file."""
+    """The graph's diagram as an SVG file."""
     return render(draw(graph))
 
 
-def render(picture: Picture, active: Collection[str] = ()) -> str:
-    """A picture as SVG; ``active`` are the paths of states to highlight."""
-    width, height = f"{picture.width:g}", f"{picture.height:g}"
+def render(diagram: Diagram, active: Collection[str] = ()) -> str:
+    """A diagram as SVG; ``active`` are the paths of states to highlight."""
+    width, height = f"{diagram.width:g}", f"{diagram.height:g}"
     drawn: set[Piece] = set()
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
             f'viewBox="0 0 {width} {height}" role="img">',
-            f"<title>{_escape(picture.name)}</title>",
-            f"<desc>{_escape(picture.description)}</desc>",
+            f"<title>{_escape(diagram.name)}</title>",
+            f"<desc>{_escape(diagram.description)}</desc>",
             f"<style>{html.escape(STYLE, quote=False)}</style>",
             '<rect class="page" width="100%" height="100%"/>',
-            *(part for box in picture.boxes for part in _box(box, box.path in active)),
+            *(part for box in diagram.boxes for part in _box(box, box.path in active)),
             *(
                 f'<path class="apart" d="M{_xy(one)} L{_xy(two)}"/>'
-                for one, two in picture.separators
+                for one, two in diagram.separators
             ),
-            *(part for line in picture.lines for part in _line(line, drawn)),
+            *(part for line in diagram.lines for part in _line(line, drawn)),
             "</svg>\n",
         ]
     )
@@ -117,7 +117,7 @@ def _line(line: Line, drawn: set[Piece]) -> Iterator[str]:
 
 
 def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
-    """A line up to where another to the same target goes on for both, and is drawn already."""
+    """The part of a line up to where it joins another, drawn already, to the same target."""
     for index, (one, two) in enumerate(pairwise(points)):
         if (target, one, two) in drawn:
             # A little of that piece as well: what is drawn twice looks thicker.
@@ -127,7 +127,7 @@ def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
 
 
 def _escape(text: str) -> str:
-    """A text for XML; what cannot stand there at all becomes a sign for that."""
+    """The text escaped for XML; letters that XML does not allow become U+FFFD."""
     return html.escape(ILLEGAL.sub("\ufffd", text))
 
 

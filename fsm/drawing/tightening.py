@@ -1,21 +1,21 @@
-"""Upright lines that were pushed far out come back beside what they pass."""
+"""Compaction: vertical lines that were pushed far out move back beside the states they pass."""
 
 from __future__ import annotations
 
 from itertools import pairwise
 
-from fsm.drawing.rows import Item, Rows, Wires, gap
+from fsm.drawing.rows import Bundle, Item, Rows, gap
 
 _NEAR = 0.5
-"""What is no further apart makes one upright line."""
+"""Items whose x differ by less than this, in pixels, make one vertical line."""
 
 
 def tighten(rows: Rows) -> None:
-    """Move upright runs of lines and labels towards what they join, as far as there is room."""
-    touching: dict[Item, list[Wires]] = {}
-    for wires in rows.wires.values():
-        for item, _ in wires.terminals:
-            touching.setdefault(item, []).append(wires)
+    """Move vertical runs of lines and labels towards what they join, as far as there is room."""
+    touching: dict[Item, list[Bundle]] = {}
+    for bundle in rows.bundles.values():
+        for item, _ in bundle.terminals:
+            touching.setdefault(item, []).append(bundle)
     pairs = [pair for row in rows.rows for pair in pairwise(row)]
     left = {two: one for one, two in pairs}
     right = dict(pairs)
@@ -36,31 +36,31 @@ def _shift(run: list[Item], x: float) -> None:
         item.x = x
 
 
-def _ends(run: list[Item], touching: dict[Item, list[Wires]]) -> list[float]:
-    """Where the things are that a run leads to and from."""
+def _ends(run: list[Item], touching: dict[Item, list[Bundle]]) -> list[float]:
+    """The x of the items that a run joins."""
     inside = set(run)
     return [
         other.x
         for item in run
-        for wires in touching.get(item, ())
-        for other, _ in wires.terminals
+        for bundle in touching.get(item, ())
+        for other, _ in bundle.terminals
         if other not in inside
     ]
 
 
-def _runs(rows: Rows, touching: dict[Item, list[Wires]]) -> list[list[Item]]:
-    """Ways and labels that make one upright line, from above."""
+def _runs(rows: Rows, touching: dict[Item, list[Bundle]]) -> list[list[Item]]:
+    """The runs: dummy items and labels that make one vertical line, from above."""
     found: list[list[Item]] = []
     run_of: dict[Item, list[Item]] = {}
     for row in rows.rows:
         for item in row:
-            if item.kind not in ("way", "label"):
+            if item.kind not in ("dummy", "label"):
                 continue
             above = next(
                 (
                     other
-                    for wires in touching.get(item, ())
-                    for other, _ in wires.terminals
+                    for bundle in touching.get(item, ())
+                    for other, _ in bundle.terminals
                     if other in run_of and other.row == item.row - 1
                     if abs(other.x - item.x) < _NEAR and run_of[other][-1] is other
                 ),

@@ -1,4 +1,4 @@
-"""How wide a text is at most, whatever font of a usual stack draws it."""
+"""Upper estimates of the width of texts, for any of the usual sans-serif fonts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which lines a graph has, and which states' insides each of them runs through."""
+"""The lines of a graph's diagram, each divided into legs: one for every state it runs through."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fsm.chart.graph import Edge, Node
+from fsm.drawing.labels import stays
 from fsm.drawing.rows import Key
-from fsm.drawing.words import stays
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A piece of a line, inside one state."""
+    """The piece of a line inside one state."""
 
     inside: Node
     source: Node | None
     """A child; None when it comes from the upper border, or from the initial dot."""
     out: Key
-    """What the source calls the line."""
+    """The line's key at its source."""
     sink: Node | None
     """A child; None when it leads to the lower border."""
     key: Key
-    """The same for all lines that may join on their way to one target."""
+    """The line's key elsewhere: the same for all lines that may be bundled."""
     stop: bool = False
     """It begins or ends at the border instead of crossing it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """All transitions from one state to another, or (without any) where a state begins."""
+    """A line: all transitions from one state to another, or (without any) an initial state's."""
 
     source: Node
     target: Node
@@ -39,7 +39,7 @@ class Wire:
 
 
 def wires_of(nodes: tuple[Node, ...]) -> tuple[Wire, ...]:
-    """Every line of a graph, in document order of what it begins at."""
+    """All lines of a graph, in document order of their sources."""
     found: list[Wire] = []
     for node in nodes:
         if node.type == "compound":

@@ -1,16 +1,21 @@
-"""What a running graph hears: events, and outcomes of its states."""
+"""Events: what a running graph reacts to, now or later."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from fsm.chart.graph import Node
+from fsm.engine.waiting import EPSILON
 
 
 @dataclass(slots=True)
 class Event:
-    """An event, or an outcome when it has an owner. Frozen ones take twice as long to make."""
+    """An event, or the outcome of a state, which is its owner.
+
+    Nobody changes one; it is not frozen because frozen ones take twice as long to make.
+    """
 
     name: str
     fields: dict[str, Any]
@@ -20,4 +25,34 @@ class Event:
 
 
 NOTHING = Event("", {})
-"""What condition and timer transitions see as their event."""
+"""The event of a microstep that no event has caused."""
+
+
+@dataclass(slots=True)
+class Delayed:
+    """A sent event that waits for its time."""
+
+    due: float
+    """Seconds of the vehicle's clock."""
+    id: str
+    event: Event
+    to: str = ""
+    """The vehicle it is for; empty for one's own."""
+
+
+class DelayedEvents(list[Delayed]):
+    """Sent events that wait for their time, the earliest first."""
+
+    def put(self, sent: Delayed) -> None:
+        """Add one; of those due at one time the earlier sent comes first."""
+        self.append(sent)
+        self.sort(key=lambda each: each.due)
+
+    def take_due(self, now: float) -> Iterator[Delayed]:
+        """Take out those whose time has come."""
+        while self and self[0].due <= now + EPSILON:
+            yield self.pop(0)
+
+    def cancel(self, id_: str) -> None:
+        """Take back what was sent with this id."""
+        self[:] = [sent for sent in self if sent.id != id_]

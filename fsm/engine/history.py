@@ -1,4 +1,4 @@
-"""What a history state gives back: which states were active, their data and their progress."""
+"""History: active states that are remembered with their data and their behaviours' progress."""
 
 from __future__ import annotations
 
@@ -9,29 +9,34 @@ from typing import Any
 from fsm.chart.graph import Node
 
 Progress = Mapping[str, Any]
+"""The progress of a behaviour, as values that JSON can hold."""
 
 
 @dataclass(slots=True)
 class Memory:
-    """What one history state remembers of the last time its state was left."""
+    """The content of one history state, from the last time its parent was left."""
 
     states: tuple[Node, ...]
-    """What it stands for as a target."""
+    """The states it stands for as a target."""
     kept: tuple[Node, ...]
-    """Whose data and progress come back: the state it stands in, and those it restores."""
+    """The states whose data and progress it gives back: its parent, and those it restores."""
     progress: dict[int, Progress] = field(default_factory=dict)
-    """By state."""
+    """By state index."""
     data: dict[int, Any] = field(default_factory=dict)
     """By slot."""
 
-    def keep_data(self, slots: Sequence[Any]) -> None:
-        self.data = {data.slot: slots[data.slot] for node in self.kept for data in node.data}
+    def keep_data(self, values: Sequence[Any]) -> None:
+        """Remember the data of the kept states; ``values`` are those of all slots."""
+        self.data = {data.slot: values[data.slot] for node in self.kept for data in node.data}
 
 
 def remember(
     leaving: Iterable[Node], active: Sequence[Node], progress: Callable[[Node], Progress | None]
 ) -> dict[int, Memory]:
-    """The memories, by history state, that leaving these states makes."""
+    """New memories, by the index of their history state, of the states that are being left.
+
+    ``progress`` gives that of a state's behaviour. Data are kept later: see Memory.keep_data.
+    """
     memories = {}
     for node in leaving:
         for history in node.children:

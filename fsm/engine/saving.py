@@ -1,24 +1,28 @@
 """Saving a running graph at the end of a mission period, and going on with it later.
 
-A saved instance is a map that JSON can hold: everything the next period depends on except the
-graph and the host. Host values are not in it, as the host gives new ones every period, nor are
-records nobody has taken yet. Times are those of the vehicle's clock, which must have gone on.
+A saved instance is a map that JSON can hold: the fields of its :class:`fsm.engine.state.State`,
+each under its own name and in the form that FORMS gives it. States are written by their paths.
+Host values are not in it, as the host gives new ones every period, nor are records nobody has taken
+yet. Times are those of the vehicle's clock, which must have gone on.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fsm.chart.configuration import mask_of
 from fsm.chart.graph import Graph, Node
-from fsm.engine.events import Event
+from fsm.engine.events import Delayed, DelayedEvents, Event
 from fsm.engine.history import Memory
 from fsm.engine.instance import Instance
-from fsm.engine.microstep import Running
-from fsm.engine.outbox import Delayed
+from fsm.engine.shared import shared_by
+from fsm.engine.state import Running, State
 from fsm.engine.waiting import Armed, Timer
 from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT
 from fsm.host import Host
@@ -26,11 +30,11 @@ from fsm.values.packing import pack, unpack
 from vencejo.errors import UserError, Where
 
 FORMAT = "vencejo.saved"
-VERSION = 1
-"""Of the form of saved runs; one more whenever an older one cannot be read any more."""
+VERSION = 2
+"""The version of the form of saved runs; it goes up when earlier saves cannot be read any more."""
 
 TORN = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
-"""What reading a save raises that is not as it was written."""
+"""The exceptions raised by reading a save that is damaged."""
 
 Saved = dict[str, Any]
 
@@ -40,52 +44,14 @@ def save(instance: Instance) -> Saved:
 
     Raises UserError (``unsavable``) when a behaviour keeps or publishes what JSON cannot hold.
     """
-    graph = instance.graph
-    nodes = graph.nodes
+    graph, state = instance.graph, instance.state
     return {
         "format": FORMAT,
         "version": VERSION,
         "mission": graph.name,
-        "digest": graph.digest,
-        "time": instance.now,
-        "suspended_at": instance.suspended_at,
-        "outcome": instance.outcome,
-        "output": pack(instance.output),
-        "active": _paths(instance.active),
-        "slots": [pack(value) for value in instance.slots[_first_own_slot(graph) :]],
-        "entries": {nodes[index].path: number for index, number in instance._entries.items()},
-        "entry_count": instance._entry_count,
-        "finished": _paths(nodes[index] for index in sorted(instance._finished)),
-        "conditions": {
-            nodes[index].path: [[a.since, sorted(a.due), sorted(a.spent)] for a in armed]
-            for index, armed in instance._conditions.items()
-        },
-        "timers": {
-            nodes[index].path: [timer.due for timer in timers]
-            for index, timers in instance._timers.items()
-        },
-        "running": {
-            nodes[index].path: pack(running.activity.saved())
-            if running.activity and not running.ended
-            else None
-            for index, running in instance._running.items()
-        },
-        "resumed": {nodes[index].path: pack(p) for index, p in instance._resumed.items()},
-        "memories": {
-            nodes[index].path: {
-                "states": _paths(memory.states),
-                "kept": _paths(memory.kept),
-                "progress": {nodes[i].path: pack(p) for i, p in memory.progress.items()},
-                "data": [[slot, pack(value)] for slot, value in memory.data.items()],
-            }
-            for index, memory in instance._memories.items()
-        },
-        "broken": sorted([w.file, w.line, w.column, what] for w, what in instance._broken),
-        "urgent": [_event(event) for event in instance._urgent],
-        "external": [_event(event) for event in instance._external],
-        "internal": [_event(event) for event in instance._internal],
-        "delayed": [[sent.due, sent.id, _event(sent.event), sent.to] for sent in instance._delayed],
-        "reactions": [[name, pack(fields)] for name, fields in instance.reactions],
+        "digest": shared_by(graph).digest,
+        **{name: form.write(graph, getattr(state, name)) for name, form in FORMS.items()},
+        "running": {graph.nodes[i].path: _activity(each) for i, each in state.running.items()},
     }
 
 
@@ -101,24 +67,28 @@ def restore(graph: Graph, host: Host, saved: Mapping[str, Any]) -> Instance:
 
 def load(instance: Instance, saved: Mapping[str, Any]) -> None:
     """Make an instance that has not begun go on where ``saved`` ends (see :func:`restore`)."""
-    graph, host = instance.graph, instance.host
+    graph = instance.graph
     _refuse_other(graph, saved)
     try:
-        _fill(instance, saved)
-        running = {
-            graph.by_path[path].index: (graph.by_path[path], unpack(kept))
-            for path, kept in saved["running"].items()
-        }
+        state = State(**{name: form.read(graph, saved[name]) for name, form in FORMS.items()})
+        running = [(graph.by_path[path], unpack(kept)) for path, kept in saved["running"].items()]
     except TORN as error:
         raise UserError(
             "torn-save",
             f"this save of '{graph.name}' is not whole: {type(error).__name__}: {error}",
             hint="use an earlier one, or start the mission anew",
         ) from None
-    for index, (node, kept) in running.items():
-        instance._running[index] = begun = Running(None, kept is None)
+    instance.go_on_from(state)
+    # Last of all: behaviours may post events as soon as they are resumed.
+    for node, kept in running:
+        state.running[node.index] = begun = Running(None, kept is None)
         if kept is not None and node.invocation:
-            begun.activity = host.resume(node.invocation.behavior, node.path, kept)
+            begun.activity = instance.host.resume(node.invocation.behavior, node.path, kept)
+
+
+def _activity(running: Running) -> Any:
+    """The values from which the host resumes a behaviour; None for one that has ended."""
+    return pack(running.activity.saved()) if running.activity and not running.ended else None
 
 
 def _refuse_other(graph: Graph, saved: Mapping[str, Any]) -> None:
@@ -126,14 +96,16 @@ def _refuse_other(graph: Graph, saved: Mapping[str, Any]) -> None:
         raise UserError(
             "not-a-save", "this is no saved mission", hint="name a file that write_saved has made"
         )
-    if saved.get("version") != VERSION:
+    version = saved.get("version")
+    if version != VERSION:
+        earlier = isinstance(version, int) and version < VERSION
         raise UserError(
             "other-version",
-            f"the mission was saved in form {saved.get('version')}, and this program reads "
-            f"form {VERSION}",
-            hint="go on with the version of vencejo that saved it",
+            f"the mission was saved by {'an earlier' if earlier else 'another'} version of "
+            f"vencejo, in form {version}; this one reads form {VERSION}",
+            hint="go on with the version that saved it, or start the mission anew",
         )
-    if saved.get("digest") != graph.digest:
+    if saved.get("digest") != shared_by(graph).digest:
         name = saved.get("mission")
         other = f"'{name}'" if name != graph.name else f"another text of '{name}'"
         raise UserError(
@@ -143,71 +115,148 @@ def _refuse_other(graph: Graph, saved: Mapping[str, Any]) -> None:
         )
 
 
-def _fill(instance: Instance, saved: Mapping[str, Any]) -> None:
-    graph = instance.graph
-    by_path, first = graph.by_path, _first_own_slot(graph)
-    slots = [unpack(value) for value in saved["slots"]]
-    if first + len(slots) != graph.slots:
-        raise ValueError(f"{len(slots)} values instead of {graph.slots - first}")
-    instance.slots[first:] = slots
-    instance.slots[TIME_SLOT] = float(saved["time"])
-    instance.suspended_at = saved["suspended_at"]
-    instance.outcome, instance.output = saved["outcome"], unpack(saved["output"])
-    instance._settle(sum(by_path[path].mask for path in saved["active"]))
-    for path, number in saved["entries"].items():
-        instance._entries[by_path[path].index] = number
-    instance._entry_count = int(saved["entry_count"])
-    instance._finished.update(by_path[path].index for path in saved["finished"])
-    for path, conditions in saved["conditions"].items():
-        instance._conditions[by_path[path].index] = [
-            Armed(when, since, set(due), set(spent))
-            for when, (since, due, spent) in zip(by_path[path].whens, conditions, strict=True)
-        ]
-    for path, times in saved["timers"].items():
-        instance._timers[by_path[path].index] = [
-            Timer(after, due) for after, due in zip(by_path[path].afters, times, strict=True)
-        ]
-    for path, progress in saved["resumed"].items():
-        instance._resumed[by_path[path].index] = unpack(progress)
-    for path, memory in saved["memories"].items():
-        instance._memories[by_path[path].index] = Memory(
-            tuple(by_path[state] for state in memory["states"]),
-            tuple(by_path[state] for state in memory["kept"]),
-            {by_path[state].index: unpack(p) for state, p in memory["progress"].items()},
-            {slot: unpack(value) for slot, value in memory["data"]},
-        )
-    instance._broken.update(
-        (Where(file, line, column), what) for file, line, column, what in saved["broken"]
+# -- the form of each field ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """The form of one field of the state in JSON: functions that write and read it."""
+
+    write: Callable[[Graph, Any], Any]
+    read: Callable[[Graph, Any], Any]
+
+
+def _by_state(write: Callable[[Any], Any], read: Callable[[Node, Any], Any]) -> Form:
+    """The form of a map by state indices: a map by paths."""
+    return Form(
+        lambda graph, found: {graph.nodes[index].path: write(v) for index, v in found.items()},
+        lambda graph, saved: {
+            graph.by_path[path].index: read(graph.by_path[path], v) for path, v in saved.items()
+        },
     )
-    for queue, events in (
-        (instance._urgent, saved["urgent"]),
-        (instance._external, saved["external"]),
-        (instance._internal, saved["internal"]),
-    ):
-        queue.extend(_event_of(event, by_path) for event in events)
-    instance._delayed[:] = [
-        Delayed(due, id_, _event_of(event, by_path), to) for due, id_, event, to in saved["delayed"]
-    ]
-    instance.reactions = [(name, unpack(fields)) for name, fields in saved["reactions"]]
 
 
 def _first_own_slot(graph: Graph) -> int:
-    """Before it lie the time, the configuration and the host's values."""
+    """The first slot after the time, the configuration and the host's values."""
     return FIRST_HOST_SLOT + len(graph.vocabulary.names)
+
+
+def _write_values(graph: Graph, values: list[Any]) -> list[Any]:
+    return [pack(value) for value in (values[TIME_SLOT], *values[_first_own_slot(graph) :])]
+
+
+def _read_values(graph: Graph, saved: list[Any]) -> list[Any]:
+    first = _first_own_slot(graph)
+    time, *own = (unpack(value) for value in saved)
+    if first + len(own) != graph.slots:
+        raise ValueError(f"{len(own)} values instead of {graph.slots - first}")
+    values = [None] * first + own
+    values[TIME_SLOT] = float(time)
+    return values
 
 
 def _paths(nodes: Iterable[Node]) -> list[str]:
     return [node.path for node in nodes]
 
 
-def _event(event: Event) -> list[Any]:
+def _nodes(graph: Graph, paths: Iterable[str]) -> tuple[Node, ...]:
+    return tuple(graph.by_path[path] for path in paths)
+
+
+def _write_memories(graph: Graph, memories: Mapping[int, Memory]) -> Any:
+    return {
+        graph.nodes[index].path: {
+            "states": _paths(memory.states),
+            "kept": _paths(memory.kept),
+            "progress": {graph.nodes[i].path: pack(p) for i, p in memory.progress.items()},
+            "data": [[slot, pack(value)] for slot, value in memory.data.items()],
+        }
+        for index, memory in memories.items()
+    }
+
+
+def _read_memories(graph: Graph, saved: Mapping[str, Any]) -> dict[int, Memory]:
+    return {
+        graph.by_path[path].index: Memory(
+            _nodes(graph, memory["states"]),
+            _nodes(graph, memory["kept"]),
+            {graph.by_path[state].index: unpack(p) for state, p in memory["progress"].items()},
+            {slot: unpack(value) for slot, value in memory["data"]},
+        )
+        for path, memory in saved.items()
+    }
+
+
+def _write_event(event: Event) -> list[Any]:
     owner = None if event.owner is None else event.owner.path
     return [event.name, pack(event.fields), owner, event.entry]
 
 
-def _event_of(packed: list[Any], by_path: Mapping[str, Node]) -> Event:
-    name, fields, owner, entry = packed
-    return Event(name, unpack(fields), None if owner is None else by_path[owner], entry)
+def _read_event(graph: Graph, saved: list[Any]) -> Event:
+    name, fields, owner, entry = saved
+    return Event(name, unpack(fields), None if owner is None else graph.by_path[owner], entry)
+
+
+_PLAIN = Form(lambda graph, value: pack(value), lambda graph, saved: unpack(saved))
+_EVENTS = Form(
+    lambda graph, events: [_write_event(event) for event in events],
+    lambda graph, saved: deque(_read_event(graph, event) for event in saved),
+)
+FORMS: Mapping[str, Form] = {
+    "values": Form(_write_values, _read_values),
+    "configuration": Form(
+        lambda graph, configuration: _paths(configuration.states),
+        lambda graph, saved: shared_by(graph).configurations[mask_of(_nodes(graph, saved))],
+    ),
+    "entries": _by_state(int, lambda node, number: int(number)),
+    "entry_count": Form(lambda graph, count: count, lambda graph, saved: int(saved)),
+    "resumed": _by_state(pack, lambda node, progress: unpack(progress)),
+    "finished": Form(
+        lambda graph, finished: _paths(graph.nodes[index] for index in sorted(finished)),
+        lambda graph, saved: {node.index for node in _nodes(graph, saved)},
+    ),
+    "conditions": _by_state(
+        lambda conditions: [[c.since, sorted(c.due), sorted(c.spent)] for c in conditions],
+        lambda node, saved: [
+            Armed(when, since, set(due), set(spent))
+            for when, (since, due, spent) in zip(node.whens, saved, strict=True)
+        ],
+    ),
+    "timers": _by_state(
+        lambda timers: [timer.due for timer in timers],
+        lambda node, saved: [
+            Timer(after, due) for after, due in zip(node.afters, saved, strict=True)
+        ],
+    ),
+    "memories": Form(_write_memories, _read_memories),
+    "urgent": _EVENTS,
+    "external": _EVENTS,
+    "internal": _EVENTS,
+    "delayed": Form(
+        lambda graph, delayed: [[s.due, s.id, _write_event(s.event), s.to] for s in delayed],
+        lambda graph, saved: DelayedEvents(
+            Delayed(due, id_, _read_event(graph, event), to) for due, id_, event, to in saved
+        ),
+    ),
+    "broken": Form(
+        lambda graph, broken: sorted([w.file, w.line, w.column, what] for w, what in broken),
+        lambda graph, saved: {
+            (Where(file, line, column), what) for file, line, column, what in saved
+        },
+    ),
+    "reactions": Form(
+        lambda graph, reactions: [[name, pack(fields)] for name, fields in reactions],
+        lambda graph, saved: [(name, unpack(fields)) for name, fields in saved],
+    ),
+    "suspended_at": _PLAIN,
+    "outcome": _PLAIN,
+    "output": _PLAIN,
+}
+"""The form of each field of the state. Only ``running`` is not among them: behaviours are the
+host's, which resumes them when all else is in place."""
+
+
+# -- files --------------------------------------------------------------------------------------
 
 
 def write_saved(path: Path, saved: Mapping[str, Any]) -> None:
@@ -241,7 +290,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def read_saved(path: Path) -> Saved:
-    """What :func:`write_saved` wrote. Raises UserError when it is not there or not whole."""
+    """Read what :func:`write_saved` wrote. Raises UserError when it is not there or not whole."""
     place = Where(str(path))
     try:
         saved = json.loads(path.read_bytes())

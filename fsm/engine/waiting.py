@@ -1,4 +1,7 @@
-"""What the states of a running graph wait for: conditions (``when``) and durations (``after``)."""
+"""Conditions (``when``) and timers (``after``) of active states.
+
+Times are seconds of the vehicle's clock.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,11 @@ class Armed:
     """Alternatives that had their turn; armed again when the condition is next seen false."""
 
     def observe(self, true: bool, now: float, hold: Callable[[Edge], float | None]) -> None:
-        """What the condition is now; ``hold`` gives how long it must last for an alternative."""
+        """Note whether the condition is true now.
+
+        ``hold`` gives the seconds that it must have been true for an alternative to become due, or
+        None when they cannot be told.
+        """
         if not true:
             self.since = None
             self.spent.clear()
@@ -39,13 +46,13 @@ class Armed:
                     self.due.add(index)
 
     def refused(self, index: int) -> None:
-        """An alternative's guard did not pass."""
+        """Note that the guard of an alternative did not pass."""
         self.due.discard(index)
         if self.since is not None:
             self.spent.add(index)
 
     def taken(self) -> None:
-        """One alternative was taken, and with it all of them."""
+        """Note that an alternative was taken, which spends all of them."""
         self.due.clear()
         if self.since is not None:
             self.spent.update(range(len(self.when.edges)))

@@ -23,7 +23,7 @@ from vencejo.errors import UserError, Where
 _SLOT = re.compile(r"s\[(\d+)\]")
 _NUMBER = re.compile(r"\d+\.\d+")
 Function = Callable[[list[Any], Mapping[str, Any] | None], Any]
-"""A compiled value: of an instance's slots and of the fields of the event at hand."""
+"""A compiled value, as a function of an instance's slots and of the fields of its event."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +36,10 @@ class Compiled:
     where: Where
     constant: bool = False
     reads: frozenset[str] = frozenset()
-    """Kinds of the names it depends on, where that was asked of an expression."""
+    """The kinds of the names it depends on; empty for a literal."""
 
     def __call__(self, slots: list[Any], event: Mapping[str, Any] | None = None) -> Any:
-        """The value. Raises one of :data:`fsm.values.functions.FAILURES`."""
+        """Evaluate it. Raises one of :data:`fsm.values.functions.FAILURES`."""
         return self.function(slots, event)
 
     def value(self) -> Any:
@@ -79,7 +79,7 @@ def compile_expression(
 
 
 def _simple(code: str) -> Function | None:
-    """The function of a slot or a number by itself, for which Python's compiler takes too long."""
+    """A function for code that is a slot or a number by itself: Python's compiler is slow."""
     slot = _SLOT.fullmatch(code)
     if slot:
         index = int(slot[1])

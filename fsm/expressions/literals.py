@@ -1,4 +1,4 @@
-"""Reads what stands in a place of a type: a literal, an expression, or a literal with some inside.
+"""Reads the value in a place of some type: a literal, an expression, or both mixed.
 
 Points, headings and routes keep the form a person wrote when it can only be resolved in flight:
 a full ``[x, y, z]`` becomes a :class:`vencejo.Point`, a place name stays a text, and everything
@@ -38,12 +38,12 @@ from fsm.values.types import (
     Type,
     fits,
     in_bounds,
-    join,
+    join_all,
 )
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
-from vencejo.nodes import Node, Scalar, Sequence, kind
+from vencejo.nodes import Scalar, Sequence, YamlNode, kind
 from vencejo.units import ANGLE, LENGTH, parse_number, parse_quantity, read_quantity
 
 _POINT_HELP = (
@@ -54,7 +54,7 @@ _POINT_HELP = (
 
 @dataclass(frozen=True)
 class Context:
-    """Where values are read: the names in sight and the places that are known."""
+    """The surroundings of a value: the names in scope and the places that are known."""
 
     scope: Scope = field(default_factory=Scope)
     places: Mapping[str, Point] = field(default_factory=dict)
@@ -65,7 +65,7 @@ class Context:
     """The vehicles of the fleet; None outside of one."""
 
 
-def read_value(node: Node, place: Type, context: Context) -> Compiled:
+def read_value(node: YamlNode, place: Type, context: Context) -> Compiled:
     """The value of a node in a place of type ``place``. Raises UserError, all faults at once."""
     if isinstance(node, Scalar):
         compiled = _read_scalar(node, place, context)
@@ -83,7 +83,7 @@ def read_value(node: Node, place: Type, context: Context) -> Compiled:
     return compiled
 
 
-def _wrong(node: Node, place: Type, hint: str | None = None) -> UserError:
+def _wrong(node: YamlNode, place: Type, hint: str | None = None) -> UserError:
     return UserError("wrong-type", f"{kind(node)} is not {place}", node.where, hint)
 
 
@@ -93,55 +93,59 @@ def _wrong(node: Node, place: Type, hint: str | None = None) -> UserError:
 def _read_scalar(node: Scalar, place: Type, context: Context) -> Compiled:
     if "$" in node.text:
         return _with_dollars(node, place, context)
-    text, where = node.text, node.where
     if node.null:
         if isinstance(place, AnyType):
-            return constant(None, ANY, where, text)
-        raise UserError("wrong-type", f"a value is missing here: {place}", where)
-    match place:
-        case AnyType():
-            return _untyped(node)
-        case Number(dimension=None):
-            number = parse_number(text)
-            quantity = parse_quantity(text)
-            if number is None and quantity is None:
-                raise _wrong(node, place)
-            if quantity:
-                return constant(quantity[0], Number(quantity[1]), where, text)
-            return constant(number, place, where, text)
-        case Number(dimension=dimension) if dimension is not None:
-            return constant(read_quantity(text, dimension, where), place, where, text)
-        case Bool():
-            if text not in ("true", "false"):
-                yes = text.lower() in ("yes", "on", "y", "1", "true")
-                no = text.lower() in ("no", "off", "n", "0", "false")
-                hint = f"write {'true' if yes else 'false'}" if yes or no else None
-                raise _wrong(node, place, hint)
-            return constant(text == "true", BOOL, where, text)
-        case Text(choices=choices):
-            if choices and text not in choices:
-                raise UserError(
-                    "unknown-word", f"'{text}' is not {place}", where, nearest(text, choices)
-                )
-            return constant(text, place, where, text)
-        case PointType():
-            return _place(node, context)
-        case HeadingType():
-            if text in HEADING_WORDS:
-                return constant(text, HEADING, where, text)
-            if parse_number(text) is None and parse_quantity(text) is None:
-                raise UserError(
-                    "wrong-type",
-                    f"'{text}' is no heading",
-                    where,
-                    "write an angle (90 deg), keep, travel or {face: point}",
-                )
-            return constant(read_quantity(text, ANGLE, where), HEADING, where, text)
-        case _:
-            raise _wrong(node, place)
+            return constant(None, ANY, node.where, node.text)
+        raise UserError("wrong-type", f"a value is missing here: {place}", node.where)
+    reader = _SCALARS.get(type(place))
+    if reader is None:
+        raise _wrong(node, place)
+    return reader(node, place, context)
 
 
-def _untyped(node: Scalar) -> Compiled:
+def _number(node: Scalar, place: Number, _: Context) -> Compiled:
+    """A number, or a quantity of the place's dimension; of any where the place has none."""
+    text, where = node.text, node.where
+    if place.dimension is not None:
+        return constant(read_quantity(text, place.dimension, where), place, where, text)
+    quantity = parse_quantity(text)
+    if quantity:
+        return constant(quantity[0], Number(quantity[1]), where, text)
+    number = parse_number(text)
+    if number is None:
+        raise _wrong(node, place)
+    return constant(number, place, where, text)
+
+
+def _boolean(node: Scalar, place: Bool, _: Context) -> Compiled:
+    text = node.text
+    if text not in ("true", "false"):
+        yes = text.lower() in ("yes", "on", "y", "1", "true")
+        no = text.lower() in ("no", "off", "n", "0", "false")
+        hint = f"write {'true' if yes else 'false'}" if yes or no else None
+        raise _wrong(node, place, hint)
+    return constant(text == "true", BOOL, node.where, text)
+
+
+def _text(node: Scalar, place: Text, _: Context) -> Compiled:
+    text = node.text
+    if place.choices and text not in place.choices:
+        hint = nearest(text, place.choices)
+        raise UserError("unknown-word", f"'{text}' is not {place}", node.where, hint)
+    return constant(text, place, node.where, text)
+
+
+def _heading(node: Scalar, place: HeadingType, _: Context) -> Compiled:
+    text, where = node.text, node.where
+    if text in HEADING_WORDS:
+        return constant(text, place, where, text)
+    if parse_number(text) is None and parse_quantity(text) is None:
+        hint = "write an angle (90 deg), keep, travel or {face: point}"
+        raise UserError("wrong-type", f"'{text}' is no heading", where, hint)
+    return constant(read_quantity(text, ANGLE, where), place, where, text)
+
+
+def _untyped(node: Scalar, _place: AnyType, _: Context) -> Compiled:
     """A scalar where any value may stand: YAML 1.2's own types, quantities, else a text."""
     text, where = node.text, node.where
     if node.plain:
@@ -156,7 +160,8 @@ def _untyped(node: Scalar) -> Compiled:
     return constant(text, TEXT, where, text)
 
 
-def _place(node: Scalar, context: Context) -> Compiled:
+def _point(node: Scalar, _: PointType, context: Context) -> Compiled:
+    """A named place of the mission or the world, or `home`."""
     name, where = node.text, node.where
     if name in context.places:
         return constant(context.places[name], POINT, where, name)
@@ -169,6 +174,17 @@ def _place(node: Scalar, context: Context) -> Compiled:
         where,
         nearest(name, known, otherwise=_POINT_HELP),
     )
+
+
+_SCALARS: Mapping[type[Type], Callable[[Scalar, Any, Context], Compiled]] = {
+    AnyType: _untyped,
+    Number: _number,
+    Bool: _boolean,
+    Text: _text,
+    PointType: _point,
+    HeadingType: _heading,
+}
+"""By the type of the place; no other place takes a scalar."""
 
 
 # -- expressions inside values --------------------------------------------------------------
@@ -212,7 +228,7 @@ def _template(node: Scalar, parts: list[str | Inserted], context: Context) -> Co
 
 
 def _placed(compiled: Compiled, place: Type) -> Compiled:
-    """An expression whose value is checked against its place whenever it is evaluated."""
+    """The expression, with its value converted for its place at each evaluation."""
     if isinstance(place, AnyType):
         return compiled
     return Compiled(
@@ -230,14 +246,15 @@ def _placed(compiled: Compiled, place: Type) -> Compiled:
 
 @contextmanager
 def collecting(faults: list[Fault]) -> Iterator[None]:
+    """Add the faults of a UserError to a list, and go on after the block."""
     try:
         yield
     except UserError as error:
         faults.extend(error.faults)
 
 
-def _read_all(nodes: list[tuple[Node, Type]], context: Context) -> list[Compiled]:
-    """Several values; the faults of all of them together."""
+def _read_all(nodes: list[tuple[YamlNode, Type]], context: Context) -> list[Compiled]:
+    """Read several values. Raises UserError with the faults of all of them."""
     faults: list[Fault] = []
     found = []
     for node, place in nodes:
@@ -251,7 +268,7 @@ def _read_all(nodes: list[tuple[Node, Type]], context: Context) -> list[Compiled
 def _built(
     items: list[Compiled], make: Callable[[list[Any]], Any], type_: Type, where: Where
 ) -> Compiled:
-    """A value made of others; constant when they all are."""
+    """A value that is made of others, and constant when they all are."""
     functions = [item.function for item in items]
     if all(item.constant for item in items):
         value = make([item.value() for item in items])
@@ -298,12 +315,10 @@ def _read_sequence(node: Sequence, place: Type, context: Context) -> Compiled:
 
 
 def _list_type(items: list[Compiled], otherwise: Type) -> Type:
+    """The type of a list from those of its items; ``otherwise`` where they do not tell."""
     if not items or otherwise == ROUTE:
         return otherwise
-    joined = items[0].type
-    for item in items[1:]:
-        joined = join(joined, item.type)
-    return ListOf(joined)
+    return ListOf(join_all([item.type for item in items]))
 
 
 def _read_mapping(node: MapNode, place: Type, context: Context) -> Compiled:
@@ -341,7 +356,7 @@ def _point_form(node: MapNode, context: Context) -> Compiled:
 def _fields_of(node: MapNode, shape: MapOf, context: Context, type_: Type) -> Compiled:
     faults: list[Fault] = []
     names: list[str] = []
-    values: list[tuple[Node, Type]] = []
+    values: list[tuple[YamlNode, Type]] = []
     for key, value in node:
         if shape.fields is not None and key.text not in shape.fields:
             hint = nearest(key.text, shape.fields)

@@ -27,13 +27,13 @@ Kind = Literal["host", "parameter", "data", "published", "define", "entered", "e
 
 
 def start(scalar: Scalar) -> Where:
-    """Where the text itself begins, past its quote."""
+    """The place of a scalar's first letter, after its quote."""
     return scalar.where.right(0 if scalar.plain else 1)
 
 
 @dataclass(frozen=True)
 class Binding:
-    """What a name stands for."""
+    """A name with its type and the slot that holds its value."""
 
     name: str
     kind: Kind
@@ -63,9 +63,10 @@ class Scope:
     states: Mapping[str, int] = field(default_factory=dict)
     """Paths of all states of the graph, for ``active('a.b')``."""
     entered_slot: int = -1
-    """Where the time of entry of this scope's state stands."""
+    """The slot of the time at which this scope's state was entered."""
 
     def find(self, name: str) -> Binding | Define | None:
+        """The declaration of a name here or further out; None when it is unknown."""
         scope: Scope | None = self
         while scope is not None:
             found = scope.names.get(name) or scope.defines.get(name)
@@ -75,12 +76,14 @@ class Scope:
         return None
 
     def all_states(self) -> Mapping[str, int]:
+        """The indices of all states of the graph, by their paths in it."""
         scope: Scope = self
         while scope.parent is not None and not scope.states:
             scope = scope.parent
         return scope.states
 
     def visible(self) -> Iterator[str]:
+        """All names that are visible here, inner ones first."""
         scope: Scope | None = self
         while scope is not None:
             yield from scope.names
@@ -88,7 +91,7 @@ class Scope:
             scope = scope.parent
 
     def declare(self, thing: Binding | Define, where: Where | None) -> None:
-        """Make a name known here. Raises UserError when it is visible already, or not free."""
+        """Declare a name. Raises UserError when it is visible already, or reserved."""
         known = self.find(thing.name)
         reserved = thing.name in RESERVED or (
             isinstance(thing, Define) and (thing.name in FUNCTIONS or thing.name == "active")

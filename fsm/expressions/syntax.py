@@ -20,7 +20,7 @@ _QUANTITY = re.compile(
 )
 _STRING = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
 _PLACEHOLDER = 0x20000
-"""First of a run of letters (CJK extension B) that stand for quantities while Python parses."""
+"""The first of the letters (CJK extension B) that replace quantities while Python parses."""
 
 _FORBIDDEN = re.compile(f"[\0\ud800-\udfff{chr(_PLACEHOLDER)}-\U0010ffff]")
 _LINE_ENDS = str.maketrans("\n\r\f\v", "    ")
@@ -37,18 +37,18 @@ class Parsed:
 
     @property
     def parts(self) -> int:
-        """How many expressions and comprehensions it consists of; slow, and seldom asked."""
+        """The number of expressions and comprehensions in it; slow, so it is seldom asked."""
         return sum(isinstance(node, (ast.expr, ast.comprehension)) for node in ast.walk(self.tree))
 
     def place(self, node: ast.AST) -> Where:
-        """Where a part of it stands in the file."""
+        """The place of a part of it in the file."""
         offset = getattr(node, "col_offset", 1)
         column = len(self.source.encode()[:offset].decode(errors="ignore")) - 1
         return self.where.right(max(0, column))
 
 
 def parse(text: str, where: Where) -> Parsed:
-    """The tree of an expression. Raises UserError for what is none, or is too large."""
+    """Parse an expression. Raises UserError when it is none, or too large."""
     if len(text) > MAX_CHARACTERS:
         raise UserError(
             "expression-too-long",
@@ -120,7 +120,7 @@ def _mask_quantities(text: str) -> tuple[str, dict[str, tuple[float, Dimension]]
 
 
 def _hint(text: str) -> str | None:
-    """The cure for what people from other languages write."""
+    """A hint for syntax of other languages; None where nothing is recognized."""
     unit = re.search(r"(?<![\w.])\d[\d.]*[ ]*([A-Za-z][\w/]*)", text)
     if unit and unit[1] not in UNITS and unit[1] not in ("and", "or", "if", "else", "in", "not"):
         return nearest(unit[1], UNITS, otherwise=f"'{unit[1]}' is no unit")
@@ -136,6 +136,6 @@ def _hint(text: str) -> str | None:
 
 
 def _plain(error: SyntaxError) -> str:
-    """Python's complaint without what only a programmer understands."""
+    """Python's message, in words for people who do not program."""
     message = error.msg.split(". ")[0]
     return {"invalid syntax": "it cannot be read from here on"}.get(message, message)

@@ -83,6 +83,8 @@ def _split_format(inside: str) -> tuple[str, str]:
 
 
 def formatted(function: Function, format_: str) -> Function:
+    """A function that gives the value as text, in a number format if there is one."""
+
     def text(slots: list[Any], event: Mapping[str, Any] | None) -> str:
         value = function(slots, event)
         if not format_:

@@ -1,4 +1,4 @@
-"""Turns the tree of an expression into code of ours, part by part, together with its type."""
+"""Translates the syntax tree of an expression to Python code of our own, and finds its type."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from fsm.values.types import (
     Type,
     fits,
     join,
+    join_all,
     product,
     raised,
 )
@@ -31,7 +32,7 @@ from vencejo.errors import UserError, Where, nearest
 from vencejo.units import LENGTH, RATIO
 
 MAX_COST = 10_000
-"""Nodes of an expression with those of all defines it uses, each time it uses them."""
+"""The most parts of an expression, those of all defines included, counted at each use."""
 
 _COMPARE = {
     ast.Lt: "<",
@@ -62,6 +63,8 @@ _INSTEAD = {
     ast.NamedExpr: "a `define`",
 }
 
+_FOREIGN = "this is not part of the expression language"
+
 _TAKES_NUMBERS = frozenset(
     [
         "abs",
@@ -82,7 +85,7 @@ _TAKES_NUMBERS = frozenset(
 
 
 class Translator:
-    """Turns one expression into code and type."""
+    """Translates one expression to code, and finds its type."""
 
     def __init__(
         self, text: str, where: Where, scope: Scope, arguments: Mapping[str, Type]
@@ -92,20 +95,22 @@ class Translator:
         self.locals: dict[str, Type] = {}
         self.namespace: dict[str, Any] = {"__builtins__": {}}
         self.reads: set[str] = set()
-        """Kinds of what its value depends on; a constant reads nothing."""
+        """The kinds of the names that its value depends on; empty for a constant."""
         self.loops = False
-        """Whether it has comprehensions, whose steps are counted in ``b``."""
+        """It has comprehensions, whose steps are counted in ``b``."""
         self.parsed = parse(text, where)
         self.defined = 0
-        """Parts of the defines it uses."""
+        """The number of parts of the defines it uses."""
         self._objects: set[str] = set()
-        """Pieces of code whose value is an object of the host's, with attributes."""
+        """Pieces of code whose value is an object of the host, read by attributes."""
 
     @property
     def cost(self) -> int:
+        """The number of its parts, those of the defines it uses included."""
         return self.parsed.parts + self.defined
 
     def translate(self) -> tuple[str, Type]:
+        """The code and the type of the whole expression. Raises UserError."""
         try:
             return self.visit(self.parsed.tree)
         except RecursionError:
@@ -115,45 +120,20 @@ class Translator:
         raise UserError(code, message, self.parsed.place(node), hint)
 
     def use(self, name: str, thing: Any) -> str:
+        """Give the code a name for something that it calls; the name."""
         self.namespace[name] = thing
         return name
 
     def visit(self, node: ast.expr) -> tuple[str, Type]:
-        match node:
-            case ast.Constant(value=value):
-                return self._constant(node, value)
-            case ast.Name():
-                return self._name(node)
-            case ast.Attribute():
-                return self._attribute(node)
-            case ast.Subscript():
-                return self._subscript(node)
-            case ast.UnaryOp():
-                return self._unary(node)
-            case ast.BinOp():
-                return self._binary(node)
-            case ast.BoolOp(op=op, values=values):
-                word = " and " if isinstance(op, ast.And) else " or "
-                return "(" + word.join(self.truth(value) for value in values) + ")", BOOL
-            case ast.Compare():
-                return self._compare(node)
-            case ast.IfExp(test=test, body=body, orelse=orelse):
-                condition = self.truth(test)
-                (a, type_a), (b, type_b) = self.visit(body), self.visit(orelse)
-                self._alike(node, type_a, type_b, "the two alternatives")
-                return f"({a} if {condition} else {b})", join(type_a, type_b)
-            case ast.List(elts=elements) | ast.Tuple(elts=elements):
-                return self._list(elements)
-            case ast.Call():
-                return self._call(node)
-            case ast.ListComp():
-                return self._comprehension(node)
-        hint = next(
-            (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind)), None
-        )
-        self.fail(node, "bad-expression", "this is not part of the expression language", hint)
+        """The code and the type of a part of the expression. Raises UserError."""
+        visitor = _VISITORS.get(type(node))
+        if visitor is None:
+            cures = (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind))
+            self.fail(node, "bad-expression", _FOREIGN, next(cures, None))
+        return visitor(self, node)
 
-    def _constant(self, node: ast.expr, value: Any) -> tuple[str, Type]:
+    def _constant(self, node: ast.Constant) -> tuple[str, Type]:
+        value = node.value
         if isinstance(value, bool) or value is None:
             return repr(value), BOOL if value is not None else ANY
         if isinstance(value, (int, float)):
@@ -162,7 +142,7 @@ class Translator:
             return repr(value), BARE
         if isinstance(value, str):
             return repr(value), Text((value,))
-        self.fail(node, "bad-expression", "this is not part of the expression language")
+        self.fail(node, "bad-expression", _FOREIGN)
 
     def _name(self, node: ast.Name) -> tuple[str, Type]:
         name = node.id
@@ -267,7 +247,7 @@ class Translator:
         self.fail(node, "unknown-field", f"{type_} has no fields")
 
     def _part(self, code: str, name: str, function: Callable[[Any, str], Any]) -> str:
-        """The code of a field that is known to be declared."""
+        """The code that reads a field which is declared."""
         if code in self._objects:
             self._objects.add(f"{code}.{name}")
             return f"{code}.{name}"
@@ -294,6 +274,7 @@ class Translator:
         self.fail(node, "wrong-type", f"a number is needed here, not {type_}")
 
     def truth(self, node: ast.expr) -> str:
+        """The code of a part that must be true or false."""
         code, type_ = self.visit(node)
         if isinstance(type_, Bool):
             return code
@@ -337,6 +318,16 @@ class Translator:
             self._alike(node, a, b, f"the two sides of `{symbol}`")
             return f"({left} {symbol} {right})", join(a, b)
         return f"({left} {symbol} {right})", product(a, b, 1 if symbol == "*" else -1)
+
+    def _logic(self, node: ast.BoolOp) -> tuple[str, Type]:
+        word = " and " if isinstance(node.op, ast.And) else " or "
+        return "(" + word.join(self.truth(value) for value in node.values) + ")", BOOL
+
+    def _choice(self, node: ast.IfExp) -> tuple[str, Type]:
+        condition = self.truth(node.test)
+        (a, type_a), (b, type_b) = self.visit(node.body), self.visit(node.orelse)
+        self._alike(node, type_a, type_b, "the two alternatives")
+        return f"({a} if {condition} else {b})", join(type_a, type_b)
 
     def _alike(self, node: ast.AST, a: Type, b: Type, what: str) -> None:
         if isinstance(a, Number) and isinstance(b, Number) and not fits(a, b):
@@ -386,7 +377,7 @@ class Translator:
         self._alike(node, a, b, f"the two sides of `{symbol}`")
 
     def _one_of(self, node: ast.expr, known: Text, given: Text) -> None:
-        """A literal that is none of the words its other side can be is a typing mistake."""
+        """Refuse a literal that is compared to a text which can never equal it."""
         literal = isinstance(node, ast.Constant)
         if literal and len(known.choices) > 1 and given.choices[0] not in known.choices:
             self.fail(
@@ -403,13 +394,9 @@ class Translator:
             return f"{self.use('number', fn.number)}({code})"
         self.fail(node, "wrong-type", f"only numbers are more or less, not {type_}")
 
-    def _list(self, elements: list[ast.expr]) -> tuple[str, Type]:
-        codes, joined = [], None
-        for element in elements:
-            code, type_ = self.visit(element)
-            codes.append(code)
-            joined = type_ if joined is None else join(joined, type_)
-        return f"[{', '.join(codes)}]", ListOf(joined or ANY)
+    def _list(self, node: ast.List | ast.Tuple) -> tuple[str, Type]:
+        found = [self.visit(element) for element in node.elts]
+        return f"[{', '.join(code for code, _ in found)}]", ListOf(join_all([t for _, t in found]))
 
     # -- calls --------------------------------------------------------------------------------
 
@@ -509,6 +496,24 @@ class Translator:
         for name in names:
             del self.locals[name]
         return f"[{element}{''.join(pieces)}]", ListOf(type_)
+
+
+_VISITORS: Mapping[type[ast.expr], Callable[[Translator, Any], tuple[str, Type]]] = {
+    ast.Constant: Translator._constant,
+    ast.Name: Translator._name,
+    ast.Attribute: Translator._attribute,
+    ast.Subscript: Translator._subscript,
+    ast.UnaryOp: Translator._unary,
+    ast.BinOp: Translator._binary,
+    ast.BoolOp: Translator._logic,
+    ast.Compare: Translator._compare,
+    ast.IfExp: Translator._choice,
+    ast.List: Translator._list,
+    ast.Tuple: Translator._list,
+    ast.Call: Translator._call,
+    ast.ListComp: Translator._comprehension,
+}
+"""The parts of Python that the language has; all others are refused."""
 
 
 def _fields(found: Binding | Define | None) -> Mapping[str, Type]:

@@ -13,16 +13,16 @@ from vencejo.files import file_inside
 from vencejo.nodes import Mapping, Scalar, read_file, read_text
 
 MAX_INCLUDES = 64
-"""Graphs inside graphs."""
+"""The most levels of graphs inside graphs."""
 
 
 def read_mission(
     path: Path, shown_as: str | None = None, faults: Faults | None = None
 ) -> MissionSpec:
-    """The mission of a file. Raises UserError with the mistakes of form of all its files.
+    """Read a mission from its file. Raises UserError with the mistakes of form of all its files.
 
-    With ``faults`` they are added there instead, for those of meaning to be found as well; what
-    cannot be read at all is raised in any case.
+    With ``faults`` they are added there instead, so that the compiler can add the mistakes of
+    meaning; a file that cannot be read at all is raised in any case.
     """
     found = Faults() if faults is None else faults
     spec = _Library(found).mission(path, shown_as or str(path))
@@ -37,7 +37,7 @@ def read_mission_text(
     folder: Path | None = None,
     faults: Faults | None = None,
 ) -> MissionSpec:
-    """The mission of a text, whose includes lie in ``folder`` (see :func:`read_mission`)."""
+    """Read a mission from a text; its includes are in ``folder`` (see :func:`read_mission`)."""
     return mission_of(read_text(text, file), file, Path(file).stem, folder, faults)
 
 
@@ -48,7 +48,7 @@ def mission_of(
     folder: Path | None = None,
     faults: Faults | None = None,
 ) -> MissionSpec:
-    """The mission of nodes that are there already (see :func:`read_mission`)."""
+    """Read a mission from YAML nodes (see :func:`read_mission`)."""
     found = Faults() if faults is None else faults
     spec = spec_of(node, file, name, found)
     _Library(found).link(spec, folder, spec.graphs, (spec,))
@@ -58,7 +58,7 @@ def mission_of(
 
 
 class _Library:
-    """Every file is read once, and every graph linked once."""
+    """Reads every file once, and links every graph once."""
 
     def __init__(self, faults: Faults) -> None:
         self.faults = faults
@@ -84,7 +84,7 @@ class _Library:
         graphs: Sequence[MissionSpec],
         trail: tuple[MissionSpec, ...],
     ) -> None:
-        """Find what ``spec`` includes; ``trail`` are the graphs it is inside of, itself last."""
+        """Find the graphs that ``spec`` includes; ``trail`` are those around it, itself last."""
         self.linked.add(id(spec))
         for state in spec.root.walk():
             if state.include is not None and state.include.text not in spec.included:
@@ -98,7 +98,7 @@ class _Library:
     def find(
         self, word: Scalar, spec: MissionSpec, folder: Path | None, graphs: Sequence[MissionSpec]
     ) -> tuple[MissionSpec, Path | None, Sequence[MissionSpec]]:
-        """What a word names, with the folder and the graphs that it may include from."""
+        """The graph of a word, with the folder and the kept graphs that it may include from."""
         named = {graph.name: graph for graph in graphs}
         if word.text in named:
             return named[word.text], folder, graphs
@@ -132,7 +132,7 @@ class _Library:
 
 
 def _files(folder: Path | None) -> list[str]:
-    """What could be included from a folder."""
+    """The files that may be included from a folder, for a hint."""
     if folder is None:
         return []
     found = (*folder.glob("*.y*ml"), *folder.glob("*/*.y*ml"))

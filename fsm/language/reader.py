@@ -1,14 +1,15 @@
-"""Reads the nodes of a mission file into its spec; finds every mistake of form."""
+"""Reads the YAML values of a mission file into its spec; finds every mistake of form."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
-from typing import cast
+from typing import Any, cast
 
 from fsm.faults import Faults
 from fsm.language import keys
+from fsm.language.keys import Key
 from fsm.language.spec import (
     ActionKind,
     ActionSpec,
@@ -21,8 +22,9 @@ from fsm.language.spec import (
     TriggerKind,
     TriggerSpec,
 )
+from fsm.language.value_kinds import Reader
 from vencejo.errors import UserError, Where, nearest
-from vencejo.nodes import Mapping, Node, Scalar, Sequence, kind
+from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, kind
 
 LANGUAGE = 1
 FLEET = "not-a-mission"
@@ -33,16 +35,49 @@ _DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
 
 
 def spec_of(node: Mapping, file: str, name: str, faults: Faults) -> MissionSpec:
-    """The mission of a file's nodes; every mistake of form goes to ``faults``."""
+    """The mission of a file's YAML; every mistake of form goes to ``faults``.
+
+    Raises UserError when the file is a fleet, or its states are too deep to be read.
+    """
     return _Reader(faults).mission(node, file, name)
 
 
+def _fields(rows: Iterable[Key]) -> tuple[Key, ...]:
+    """The keys whose values become fields of a spec as they are."""
+    return tuple(key for key in rows if not key.apart)
+
+
+_MISSION_FIELDS = _fields(keys.TOP_ONLY.values())
+_STATE_FIELDS = _fields(key for key in keys.KEYS if key is keys.ANY_STATE.get(key.name))
+_TRANSITION_FIELDS = _fields(keys.AT["transition"].values())
+_TRIGGERS = tuple(key for key in keys.AT["state"].values() if key.kind.reader == "triggers")
+_ROOT_TYPES = ("parallel",)
+_ALLOWED = {"final": keys.AT["final"], "history": keys.AT["history"]}
+_TYPE, _PRIORITY = keys.ANY_STATE["type"], keys.AT["mission"]["priority"]
+
+
 class _Reader:
-    """Collects faults while it reads, so that one look shows them all."""
+    """Collects faults while it reads, so that one look shows them all.
+
+    A key that may not stand where it does is refused and read all the same, so that the mistakes
+    in its value are shown too.
+    """
 
     def __init__(self, faults: Faults) -> None:
         self.faults = faults
         self.fail = faults.fail
+        self.readers: dict[Reader, Callable[[YamlNode, Key], Any]] = {
+            "text": self.text,
+            "scalar": self.scalar,
+            "scalars": self.scalars,
+            "boolean": self.boolean,
+            "choice": self.choice,
+            "name": self.name,
+            "outcome": self.outcome,
+            "named": self.named,
+            "define": self.defines,
+            "actions": self.actions,
+        }
 
     def mission(
         self, node: Mapping, file: str, stem: str, inside: Where | None = None
@@ -57,10 +92,10 @@ class _Reader:
                 "`drone-cli check` checks it; `drone-cli run` flies one of its missions by itself",
             )
         if inside is None:
-            node = self.keys(node, keys.ROOT_KEYS | keys.STATE_KEYS, "a mission")
+            node = self.keys(node, keys.AT["mission"], "a mission")
         else:
-            node = self.keys(node, keys.GRAPH_KEYS | keys.STATE_KEYS, "a graph")
-        name = self.named_scalar(node, "mission", keys.MISSION_NAME, "letters, digits, - and _")
+            node = self.keys(node, keys.AT["graph"], "a graph")
+        name = self.value(node, keys.AT["mission"]["mission"])
         language = node.get("language")
         if isinstance(language, Scalar) and language.text != str(LANGUAGE):
             self.fail(
@@ -75,23 +110,19 @@ class _Reader:
                 inside or node.where,
                 "see `drone-cli new` for a start",
             )
-        priority = self.choice(node, "priority", ("inner", "outer")) or "inner"
+        priority = self.value(node, _PRIORITY)
         return MissionSpec(
             name=name.text if name else stem,
             file=file,
             root=self.state("", node, inside or node.where, 0),
-            description=self.text(node, "description"),
-            world=self.scalar(node, "world"),
-            uses=self.scalars(node, "uses"),
-            places=self.named(node, "places", keys.NAME),
-            parameters=self.named(node, "parameters", keys.NAME),
-            events=self.named(node, "events", keys.EVENT_NAME),
+            **self.fields(node, _MISSION_FIELDS),
             outer_first=priority == "outer",
             node=node,
             graphs=self.graphs(node, file) if inside is None else (),
         )
 
     def graphs(self, node: Mapping, file: str) -> tuple[MissionSpec, ...]:
+        """The graphs that are kept in the file."""
         found = []
         for name, value in self.map(node, "graphs"):
             if not keys.NAME.fullmatch(name.text):
@@ -105,20 +136,42 @@ class _Reader:
     # -- states -----------------------------------------------------------------------------
 
     def state(self, name: str, node: Mapping, where: Where, depth: int) -> StateSpec:
+        """A state with all inside it; the root is the one of depth 0."""
         root = depth == 0
         if depth > MAX_STATE_DEPTH:
             raise UserError("too-deep", f"states nest at most {MAX_STATE_DEPTH} deep", where)
-        types = ("parallel",) if root else ("parallel", "final", "history")
-        declared = self.choice(node, "type", types)
+        type_node = node.get("type")
+        options = _ROOT_TYPES if root else _TYPE.kind.options
+        declared = self.choice(type_node, _TYPE, options) if type_node else None
         type_ = cast(StateType, declared or self.usual_type(node))
-        allowed = {"final": keys.FINAL_KEYS, "history": keys.HISTORY_KEYS}.get(
-            type_, keys.STATE_KEYS
-        )
         if not root:
+            allowed = _ALLOWED.get(type_, keys.AT["state"])
             node = self.keys(node, allowed, f"a {declared} state" if declared else "a state")
         states = self.states(node, depth)
         if type_ == "parallel" and not states:
             self.fail("no-states", "a parallel state needs `states`", where)
+        self.refuse_combinations(node)
+        before = self.faults.errors
+        triggers = self.triggers(node)
+        flawed = self.faults.errors > before
+        target = node.get("target") if type_ == "history" else None
+        return StateSpec(
+            name=name,
+            where=where,
+            type=type_,
+            triggers=triggers,
+            states=states,
+            flawed=flawed,
+            **self.fields(node, _STATE_FIELDS),
+            target=self.scalar(target, keys.AT["history"]["target"]) if target else None,
+        )
+
+    def usual_type(self, node: Mapping) -> StateType:
+        """The type of a state that does not say it."""
+        return "compound" if node.get("states") or node.get("include") else "atomic"
+
+    def refuse_combinations(self, node: Mapping) -> None:
+        """Refuse keys that lack the one they belong to, or that exclude each other."""
         for key in ("with", "live", "as"):
             if node.get(key) and not node.get("do") and not node.get("include"):
                 self.fail("no-behaviour", f"`{key}` needs a `do`", self.where(node, key))
@@ -127,39 +180,9 @@ class _Reader:
                 message = f"`{key}` and `include` do not go together"
                 hint = "put the `include` into a state of its own"
                 self.fail("misplaced-include", message, self.where(node, key), hint)
-        before = self.faults.errors
-        triggers = self.triggers(node)
-        flawed = self.faults.errors > before
-        return StateSpec(
-            name=name,
-            where=where,
-            type=type_,
-            initial=self.scalar(node, "initial"),
-            description=self.text(node, "description"),
-            data=self.named(node, "data", keys.NAME),
-            define=self.defines(node),
-            entry=self.actions(node, "entry"),
-            exit=self.actions(node, "exit"),
-            throughout=self.actions(node, "throughout"),
-            do=self.scalar(node, "do"),
-            with_=self.named(node, "with", keys.NAME),
-            live=self.named(node, "live", keys.NAME),
-            as_=self.named_scalar(node, "as", keys.NAME, "letters, digits and _"),
-            include=self.scalar(node, "include"),
-            triggers=triggers,
-            states=states,
-            outcome=self.outcome(node),
-            output=self.named(node, "output", keys.NAME),
-            deep=self.boolean(node, "deep"),
-            target=self.scalar(node, "target") if type_ == "history" else None,
-            breakpoint=self.boolean(node, "breakpoint"),
-            flawed=flawed,
-        )
-
-    def usual_type(self, node: Mapping) -> StateType:
-        return "compound" if node.get("states") or node.get("include") else "atomic"
 
     def states(self, node: Mapping, depth: int) -> tuple[StateSpec, ...]:
+        """The children of a state of that depth."""
         children = []
         for key, value in self.map(node, "states"):
             if not keys.SMALL_NAME.fullmatch(key.text):
@@ -177,60 +200,32 @@ class _Reader:
             children.append(self.state(key.text, value, key.where, depth + 1))
         return tuple(children)
 
-    def outcome(self, node: Mapping) -> str:
-        scalar = self.named_scalar(node, "outcome", keys.SMALL_NAME, "an outcome is one small word")
-        return scalar.text if scalar else "done"
-
-    def defines(self, node: Mapping) -> tuple[DefineSpec, ...]:
-        found = []
-        for key, value in self.map(node, "define"):
-            match = _DEFINE.fullmatch(key.text)
-            arguments = (
-                tuple(
-                    argument.strip() for argument in (match[2] or "").split(",") if argument.strip()
-                )
-                if match
-                else ()
-            )
-            if not match or any(not keys.NAME.fullmatch(argument) for argument in arguments):
-                self.fail(
-                    "bad-name",
-                    f"'{key.text}' is no name to define",
-                    key.where,
-                    "name or name(a, b)",
-                )
-            elif isinstance(value, Scalar):
-                found.append(DefineSpec(match[1], arguments, value, key.where))
-            else:
-                self.fail(
-                    "wrong-type", f"a `define` is an expression, not {kind(value)}", value.where
-                )
-        return tuple(found)
-
     # -- transitions ------------------------------------------------------------------------
 
     def triggers(self, node: Mapping) -> tuple[TriggerSpec, ...]:
+        """The triggers of a state: outcomes and events, conditions, durations, then `always`."""
         found: list[TriggerSpec] = []
-        kinds: tuple[TriggerKind, ...] = ("on", "when", "after")
-        for trigger in kinds:
-            for key, value in self.map(node, trigger):
-                if trigger == "on" and not keys.TRIGGER.fullmatch(key.text):
+        for key in _TRIGGERS:
+            trigger = cast(TriggerKind, key.name)
+            for cause, value in self.map(node, key.name):
+                if key.kind.pattern and not key.kind.pattern.fullmatch(cause.text):
                     self.fail(
                         "bad-event",
-                        f"'{key.text}' is no outcome and no event",
-                        key.where,
+                        f"'{cause.text}' is no outcome and no event",
+                        cause.where,
                         "an outcome is one word; an event has a dot"
-                        + (": is a blank missing after the colon?" if ":" in key.text else ""),
+                        + (": is a blank missing after the colon?" if ":" in cause.text else ""),
                     )
                     continue
-                found.append(self.trigger(trigger, key, value))
+                found.append(self.trigger(trigger, cause, value))
         always = node.get("always")
         if always is not None:
-            key = next(key for key, _ in node if key.text == "always")
-            found.append(self.trigger("always", key, always))
+            word = next(word for word, _ in node if word.text == "always")
+            found.append(self.trigger("always", word, always))
         return tuple(found)
 
-    def trigger(self, trigger: TriggerKind, key: Scalar, value: Node) -> TriggerSpec:
+    def trigger(self, trigger: TriggerKind, key: Scalar, value: YamlNode) -> TriggerSpec:
+        """A trigger with its transition, or with a list of alternatives."""
         many = isinstance(value, Sequence)
         items = value.items if isinstance(value, Sequence) else [value]
         if many and not items:
@@ -238,7 +233,10 @@ class _Reader:
         alternatives = [self.transition(trigger, key, item) for item in items]
         return TriggerSpec(trigger, key, tuple(a for a in alternatives if a is not None))
 
-    def transition(self, trigger: TriggerKind, key: Scalar, node: Node) -> TransitionSpec | None:
+    def transition(
+        self, trigger: TriggerKind, key: Scalar, node: YamlNode
+    ) -> TransitionSpec | None:
+        """One alternative: a target, or the long form. None when it cannot be read."""
         if isinstance(node, Scalar):
             if node.null or not node.text:
                 hint = "name a target, or write {} for `taken, nothing happens`"
@@ -248,7 +246,7 @@ class _Reader:
                     hint = "a key with a comma or bracket inside `{ }` needs quotes"
                 self.fail("empty-transition", f"'{key.text}' leads nowhere", key.where, hint)
                 return None
-            return TransitionSpec((node,), node.where)
+            return TransitionSpec(node.where, (node,))
         if isinstance(node, Sequence):
             self.fail(
                 "wrong-type",
@@ -257,45 +255,17 @@ class _Reader:
                 "several regions are entered by `target: [a, b]`",
             )
             return None
-        node = self.keys(node, keys.TRANSITION_KEYS, "a transition")
-        hold = self.scalar(node, "for")
-        if hold and trigger != "when":
+        node = self.keys(node, keys.AT["transition"], "a transition")
+        found = TransitionSpec(node.where, **self.fields(node, _TRANSITION_FIELDS))
+        if found.hold and trigger != "when":
             self.fail("misplaced-for", "`for` belongs to `when` only", self.where(node, "for"))
-        return TransitionSpec(
-            targets=self.scalars(node, "target"),
-            where=node.where,
-            guard=self.scalar(node, "guard"),
-            actions=self.actions(node, "actions"),
-            hold=hold,
-            reenter=self.boolean(node, "reenter"),
-            name=self.text(node, "name"),
-            description=self.text(node, "description"),
-        )
+        return found
 
-    def actions(self, node: Mapping, key: str) -> tuple[ActionSpec, ...]:
-        value = node.get(key)
-        if value is None:
-            return ()
-        found = []
-        for block in value.items if isinstance(value, Sequence) else [value]:
-            if not isinstance(block, Mapping):
-                self.fail(
-                    "wrong-type",
-                    f"actions are a map like {{log: text}}, or a list of such, not {kind(block)}",
-                    block.where,
-                )
-                continue
-            block = self.keys(block, keys.ACTIONS, "actions")
-            for name, argument in block:
-                if name.text in keys.ACTIONS:
-                    found.append(ActionSpec(cast(ActionKind, name.text), argument, name.where))
-        return tuple(found)
+    # -- keys -------------------------------------------------------------------------------
 
-    # -- pieces -----------------------------------------------------------------------------
-
-    def keys(self, node: Mapping, allowed: frozenset[str], what: str) -> Mapping:
+    def keys(self, node: Mapping, allowed: dict[str, Key], what: str) -> Mapping:
         """The map with each misspelt key read as the one that was meant."""
-        meant: list[tuple[Scalar, Node]] = []
+        meant: list[tuple[Scalar, YamlNode]] = []
         for key, value in node:
             if key.text in allowed:
                 meant.append((key, value))
@@ -308,13 +278,14 @@ class _Reader:
                     key.where,
                 )
                 continue
-            near = get_close_matches(key.text, allowed - {other.text for other, _ in node}, n=1)
+            unused = allowed.keys() - {other.text for other, _ in node}
+            near = get_close_matches(key.text, unused, n=1)
             if not near:
                 meant.append((key, value))
             elif near[0] not in {k.text for k, _ in meant}:
                 meant.append((Scalar(near[0], key.where), value))
             hint = nearest(key.text, allowed)
-            if key.text in keys.ROOT_KEYS:
+            if key.text in keys.TOP_ONLY:
                 hint = f"'{key.text}' stands at the top of the file only"
             elif ":" in key.text:
                 hint = "is a blank missing after the colon?"
@@ -322,74 +293,131 @@ class _Reader:
         return Mapping(meant, node.where)
 
     def where(self, node: Mapping, key: str) -> Where:
+        """The place of a key, or of the map that lacks it."""
         return next((name.where for name, _ in node if name.text == key), node.where)
 
-    def _expect(
-        self, node: Mapping, key: str, what: str, test: Callable[[Node], bool]
-    ) -> Node | None:
-        value = node.get(key)
-        if value is None or test(value):
+    def fields(self, node: Mapping, rows: Iterable[Key]) -> dict[str, Any]:
+        """The values of those keys that are there, by the fields they are read into.
+
+        What cannot be read is left out, and so gets the field's own default.
+        """
+        given = {name.text: value for name, value in node}
+        found = {}
+        for key in rows:
+            if key.name in given:
+                value = self.readers[key.kind.reader](given[key.name], key)
+                if value is not None:
+                    found[key.field] = value
+        return found
+
+    def value(self, node: Mapping, key: Key) -> Any:
+        """The value of one key; None when it is not there or cannot be read."""
+        value = node.get(key.name)
+        return None if value is None else self.readers[key.kind.reader](value, key)
+
+    # -- values -----------------------------------------------------------------------------
+
+    def scalar(self, value: YamlNode, key: Key) -> Scalar | None:
+        if isinstance(value, Scalar) and not value.null:
             return value
-        self.fail("wrong-type", f"`{key}` is {what}, not {kind(value)}", value.where)
+        self.fail("wrong-type", f"`{key.name}` is a text, not {kind(value)}", value.where)
         return None
 
-    def scalar(self, node: Mapping, key: str) -> Scalar | None:
-        value = self._expect(node, key, "a text", lambda v: isinstance(v, Scalar) and not v.null)
-        return value if isinstance(value, Scalar) else None
-
-    def named_scalar(
-        self, node: Mapping, key: str, pattern: re.Pattern[str], hint: str
-    ) -> Scalar | None:
-        scalar = self.scalar(node, key)
-        if scalar and not pattern.fullmatch(scalar.text):
-            self.fail("bad-name", f"'{scalar.text}' is not a name", scalar.where, hint)
+    def name(self, value: YamlNode, key: Key) -> Scalar | None:
+        scalar = self.scalar(value, key)
+        if scalar and key.kind.pattern and not key.kind.pattern.fullmatch(scalar.text):
+            self.fail("bad-name", f"'{scalar.text}' is not a name", scalar.where, key.kind.hint)
             return None
         return scalar
 
-    def text(self, node: Mapping, key: str) -> str:
-        scalar = self.scalar(node, key)
-        return scalar.text if scalar else ""
+    def outcome(self, value: YamlNode, key: Key) -> str | None:
+        scalar = self.name(value, key)
+        return scalar.text if scalar else None
 
-    def boolean(self, node: Mapping, key: str) -> bool:
-        value = self.choice(node, key, ("true", "false"))
-        return value == "true"
+    def text(self, value: YamlNode, key: Key) -> str | None:
+        scalar = self.scalar(value, key)
+        return scalar.text if scalar else None
 
-    def choice(self, node: Mapping, key: str, options: tuple[str, ...]) -> str | None:
-        scalar = self.scalar(node, key)
-        if scalar is None or scalar.text in options:
+    def boolean(self, value: YamlNode, key: Key) -> bool:
+        return self.choice(value, key, ("true", "false")) == "true"
+
+    def choice(
+        self, value: YamlNode, key: Key, options: tuple[str, ...] | None = None
+    ) -> str | None:
+        """One of the words that the key takes; ``options`` where they are fewer here."""
+        scalar, words = self.scalar(value, key), options or key.kind.options
+        if scalar is None or scalar.text in words:
             return scalar.text if scalar else None
         self.fail(
             "unknown-word",
-            f"`{key}` is {' or '.join(options)}, not '{scalar.text}'",
+            f"`{key.name}` is {' or '.join(words)}, not '{scalar.text}'",
             scalar.where,
-            nearest(scalar.text, options),
+            nearest(scalar.text, words),
         )
         return None
 
-    def scalars(self, node: Mapping, key: str) -> tuple[Scalar, ...]:
-        value = node.get(key)
-        items = value.items if isinstance(value, Sequence) else [value] if value is not None else []
+    def scalars(self, value: YamlNode, key: Key) -> tuple[Scalar, ...]:
         found = []
-        for item in items:
+        for item in value.items if isinstance(value, Sequence) else [value]:
             if isinstance(item, Scalar) and not item.null:
                 found.append(item)
             else:
-                self.fail("wrong-type", f"`{key}` is a text or a list of texts", item.where)
+                self.fail("wrong-type", f"`{key.name}` is a text or a list of texts", item.where)
         return tuple(found)
 
-    def map(self, node: Mapping, key: str) -> list[tuple[Scalar, Node]]:
-        value = self._expect(node, key, "a map", lambda v: isinstance(v, Mapping))
-        return value.entries if isinstance(value, Mapping) else []
+    def map(self, node: Mapping, key: str) -> list[tuple[Scalar, YamlNode]]:
+        """The entries of the map behind a key; none where the key is absent."""
+        value = node.get(key)
+        return [] if value is None else self.entries(value, key)
 
-    def named(self, node: Mapping, key: str, pattern: re.Pattern[str]) -> tuple[Named, ...]:
-        found = []
-        for name, value in self.map(node, key):
-            if not pattern.fullmatch(name.text):
+    def entries(self, value: YamlNode, key: str) -> list[tuple[Scalar, YamlNode]]:
+        """The entries of a map; none for any other value, which is a fault."""
+        if isinstance(value, Mapping):
+            return value.entries
+        self.fail("wrong-type", f"`{key}` is a map, not {kind(value)}", value.where)
+        return []
+
+    def named(self, value: YamlNode, key: Key) -> tuple[Named, ...]:
+        pattern, found = key.kind.pattern, []
+        for name, inner in self.entries(value, key.name):
+            if pattern and not pattern.fullmatch(name.text):
                 what = "an event (it needs a dot)" if pattern is keys.EVENT_NAME else "a name"
                 hint = None
-                if isinstance(value, Scalar) and value.null:
+                if isinstance(inner, Scalar) and inner.null:
                     hint = "a text with a comma inside `{ }` needs quotes; decimals have a point"
                 self.fail("bad-name", f"'{name.text}' is not {what}", name.where, hint)
                 continue
-            found.append(Named(name, value))
+            found.append(Named(name, inner))
+        return tuple(found)
+
+    def defines(self, value: YamlNode, key: Key) -> tuple[DefineSpec, ...]:
+        found = []
+        for name, body in self.entries(value, key.name):
+            match = _DEFINE.fullmatch(name.text)
+            listed = match[2] or "" if match else ""
+            arguments = tuple(part for word in listed.split(",") if (part := word.strip()))
+            if not match or any(not keys.NAME.fullmatch(argument) for argument in arguments):
+                message = f"'{name.text}' is no name to define"
+                self.fail("bad-name", message, name.where, "name or name(a, b)")
+            elif isinstance(body, Scalar):
+                found.append(DefineSpec(match[1], arguments, body, name.where))
+            else:
+                message = f"a `define` is an expression, not {kind(body)}"
+                self.fail("wrong-type", message, body.where)
+        return tuple(found)
+
+    def actions(self, value: YamlNode, key: Key) -> tuple[ActionSpec, ...]:
+        found = []
+        for block in value.items if isinstance(value, Sequence) else [value]:
+            if not isinstance(block, Mapping):
+                self.fail(
+                    "wrong-type",
+                    f"actions are a map like {{log: text}}, or a list of such, not {kind(block)}",
+                    block.where,
+                )
+                continue
+            block = self.keys(block, keys.AT["actions"], "actions")
+            for name, argument in block:
+                if name.text in keys.AT["actions"]:
+                    found.append(ActionSpec(cast(ActionKind, name.text), argument, name.where))
         return tuple(found)

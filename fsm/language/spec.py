@@ -1,4 +1,7 @@
-"""A mission as written: the structure of its file, with places, names and types not yet known."""
+"""A mission as written: the structure of its file, with places, names and types not yet known.
+
+Specs are compared by identity: two that say the same at different places are not one.
+"""
 
 from __future__ import annotations
 
@@ -7,26 +10,26 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vencejo.errors import Where
-from vencejo.nodes import Mapping, Node, Scalar
+from vencejo.nodes import Mapping, Scalar, YamlNode
 
 TriggerKind = Literal["on", "when", "after", "always"]
 ActionKind = Literal["set", "append", "raise", "send", "cancel", "log", "call"]
 StateType = Literal["atomic", "compound", "parallel", "final", "history"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ActionSpec:
     kind: ActionKind
-    node: Node
+    node: YamlNode
     where: Where
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TransitionSpec:
     """One alternative of a trigger; without targets nothing is left."""
 
-    targets: tuple[Scalar, ...]
     where: Where
+    targets: tuple[Scalar, ...] = ()
     guard: Scalar | None = None
     actions: tuple[ActionSpec, ...] = ()
     hold: Scalar | None = None
@@ -36,16 +39,16 @@ class TransitionSpec:
     description: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TriggerSpec:
-    """What starts a transition (event, outcome, condition or duration), with its alternatives."""
+    """A trigger (event, outcome, condition or duration) with its alternative transitions."""
 
     kind: TriggerKind
     key: Scalar
     alternatives: tuple[TransitionSpec, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class DefineSpec:
     name: str
     arguments: tuple[str, ...]
@@ -53,15 +56,15 @@ class DefineSpec:
     where: Where
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Named:
-    """A key with whatever stands behind it."""
+    """A name and its value, which is read later."""
 
     name: Scalar
-    node: Node
+    node: YamlNode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class StateSpec:
     name: str
     where: Where
@@ -86,7 +89,7 @@ class StateSpec:
     target: Scalar | None = None
     breakpoint: bool = False
     flawed: bool = False
-    """Whether some of its transitions could not be read."""
+    """Some of its transitions could not be read."""
 
     def walk(self) -> Iterator[StateSpec]:
         """This state and all inside it, in document order."""
@@ -95,7 +98,7 @@ class StateSpec:
             yield from child.walk()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class MissionSpec:
     """A whole file, or a graph kept inside one."""
 
@@ -111,9 +114,9 @@ class MissionSpec:
     outer_first: bool = False
     node: Mapping | None = None
     graphs: tuple[MissionSpec, ...] = ()
-    """Those kept in this file, by their names."""
+    """The graphs that are kept in this file."""
     included: dict[str, MissionSpec] = field(default_factory=dict)
-    """What each word after ``include`` stands for; filled by :mod:`fsm.language.includes`."""
+    """The graph of each word after ``include``; filled by :mod:`fsm.language.includes`."""
 
     def closure(self) -> list[MissionSpec]:
         """This graph and all that it includes, each once, the outer ones first."""

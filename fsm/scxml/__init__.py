@@ -1,4 +1,4 @@
-"""SCXML: state graphs of others come in, missions go out and come back."""
+"""SCXML: documents of other programs are loaded, missions are exported and imported again."""
 
 from fsm.scxml.document import Element, parse_document, read_document
 from fsm.scxml.importer import import_mission, is_mission

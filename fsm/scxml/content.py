@@ -1,4 +1,4 @@
-"""Executable content of SCXML documents: what stands in `onentry`, `onexit` and transitions."""
+"""Compiles the executable content of SCXML: what `onentry`, `onexit` and transitions hold."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from fsm.chart.graph import Action
-from fsm.engine.events import Event
+from fsm.chart.executable import Action, EventFields, Run, Runtime
 from fsm.expressions.compiled import Compiled, Function
 from fsm.faults import Faults
 from fsm.scxml.document import Element
@@ -24,26 +23,24 @@ from fsm.values.types import ANY
 from vencejo.errors import UserError, Where, nearest
 
 _DELAY = re.compile(r"\s*(\d{1,12}(?:\.\d*)?|\.\d+)\s*(ms|s)\s*")
-"""No more digits than time has use for: a long row of them is neither infinite nor slow to read."""
+"""At most 12 digits before the point: a longer number could be slow to read, or infinite."""
 _INTERNAL = "#_internal"
 _PROCESSORS = ("scxml", "http://www.w3.org/TR/scxml/#SCXMLEventProcessor")
-
-Run = Callable[[Any, dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
 class Content:
-    """Compiles executable content; what is wrong goes to ``faults``."""
+    """Compiles executable content; mistakes are added to ``faults``."""
 
     names: Names
     faults: Faults
     counter: int
     """Slot of the number of events sent without an id."""
     budget: Budget | None = None
-    """What the outermost of the loops around may still do, with those inside it."""
+    """The steps left to the outermost `foreach` around, shared by all loops inside it."""
 
     def blocks(self, handlers: Iterable[Element]) -> tuple[Action, ...]:
-        """Several handlers in a row: one that fails does not keep the next from running."""
+        """Compile handlers into one block each: when one fails, the next still runs."""
         blocks = [(handler, self.actions(handler.children)) for handler in handlers]
         if len(blocks) == 1:
             return blocks[0][1]
@@ -86,7 +83,7 @@ class Content:
         return compile_value(needed(element, attribute), element.place(attribute), self.names)
 
     def optional(self, element: Element, literal: str, expression: str) -> Function | None:
-        """A value given as a text, or by an expression in another attribute."""
+        """A value from a text in one attribute or an expression in another; None without both."""
         text = element.get(literal)
         if text is not None:
             return lambda s, e: text
@@ -109,7 +106,7 @@ class Content:
         return self.names.variables[name]
 
     def fields(self, element: Element) -> dict[str, Function]:
-        """What `namelist` and `param` give to an event."""
+        """Compile the fields that `namelist` and `param` give to an event."""
         found: dict[str, Function] = {}
         for name in (element.get("namelist") or "").split():
             self.variable(name, element.place("namelist"))
@@ -128,7 +125,7 @@ class Content:
         slot, name = self.slot(element, "location"), needed(element, "location")
         value = self.value(element, "expr")
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             instance.slots[slot] = found = value(instance.slots, event)
             instance.record("set", name=name, value=found)
 
@@ -143,7 +140,7 @@ class Content:
             for assignment in compile_script(element.text, where, self.names)
         ]
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             for slot, assignment in statements:
                 instance.slots[slot] = found = assignment.value(instance.slots, event)
                 instance.record("set", name=assignment.name, value=found)
@@ -154,7 +151,7 @@ class Content:
         value = self.value(element, "expr") if element.get("expr") is not None else None
         label = element.get("label")
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             parts = [label] if label else []
             parts += [text_of(value(instance.slots, event))] if value else []
             instance.record("log", text=": ".join(parts))
@@ -184,7 +181,7 @@ class Content:
         if element.get("idlocation") is not None:
             location = self.slot(element, "idlocation")
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             slots = instance.slots
             data = {key: value(slots, event) for key, value in fields.items()}
             if target == _INTERNAL:
@@ -221,7 +218,7 @@ class Content:
                 parts[-1][1].append(child)
         branches = [(self.condition(head), self.actions(inside)) for head, inside in parts]
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             for condition, actions in branches:
                 if condition is None or instance.evaluate(condition, event, False) is True:
                     for action in actions:
@@ -237,7 +234,7 @@ class Content:
         budget = self.budget or Budget()
         actions = replace(self, budget=budget).actions(element.children)
 
-        def run(instance: Any, event: dict[str, Any]) -> None:
+        def run(instance: Runtime, event: EventFields) -> None:
             if self.budget is None:
                 budget.left = LOOP_BUDGET
             values = array(instance.slots, event)
@@ -254,7 +251,7 @@ class Content:
 
 
 def _block(actions: tuple[Action, ...]) -> Run:
-    return lambda instance, event: instance._run(actions, Event("", event))
+    return lambda instance, event: instance.run_actions(actions, event)
 
 
 def needed(element: Element, attribute: str) -> str:

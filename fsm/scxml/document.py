@@ -1,4 +1,4 @@
-"""XML as elements that know their place. Document types and entities are refused outright."""
+"""Reads XML into elements with their places in the file; document types are refused."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class _Parser:
         self.texts.append([])
 
     def locate(self, element: Element) -> None:
-        """Find the attributes in the text: expat tells only where the element begins."""
+        """Find the places of the attributes: expat gives only that of the element."""
         begin = self.expat.CurrentByteIndex
         tag = _TAG.match(self.data, begin)
         for found in _ATTRIBUTE.finditer(tag[0]) if tag else ():
@@ -164,7 +164,7 @@ _ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"']).*?(?P
 
 
 def _name(name: str) -> str:
-    """An expat name, which is ``namespace local``, in short."""
+    """The short form of an expat name, which is ``namespace local``."""
     namespace, _, local = name.rpartition(" ")
     if namespace in ("", SCXML):
         return local

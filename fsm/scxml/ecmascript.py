@@ -50,7 +50,7 @@ _ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "b": "\b", "f": "\f", "0": "\0"}
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """What the expressions of a document can see."""
+    """The names that the expressions of a document can use."""
 
     variables: Mapping[str, int]
     """Name → slot."""
@@ -75,7 +75,7 @@ class _Token:
 
 
 def compile_value(text: str, where: Where, names: Names) -> Function:
-    """An expression as a function of slots. Raises UserError at the column that is wrong."""
+    """Compile an expression to a function of slots. Raises UserError at the wrong column."""
     parser = _Parser(text, where, names)
     function = parser.expression()
     parser.end()
@@ -83,13 +83,13 @@ def compile_value(text: str, where: Where, names: Names) -> Function:
 
 
 def compile_condition(text: str, where: Where, names: Names) -> Function:
-    """An expression that is true or false, as ECMAScript counts it."""
+    """Compile an expression to a condition, true or false by ECMAScript's rules."""
     function = compile_value(text, where, names)
     return lambda slots, event: truth(function(slots, event))
 
 
 def compile_script(text: str, where: Where, names: Names) -> list[Assignment]:
-    """A script of assignments."""
+    """Compile a script of assignments. Raises UserError."""
     return _Parser(text, where, names).script()
 
 
@@ -99,7 +99,7 @@ def assigned_names(text: str) -> list[str]:
 
 
 class _Parser:
-    """Reads one text."""
+    """Parses one text by recursive descent."""
 
     def __init__(self, text: str, where: Where, names: Names) -> None:
         self.names = names
@@ -232,7 +232,7 @@ class _Parser:
         return self.binary(0)
 
     def count(self, sign: str) -> int:
-        """How often a sign stands here."""
+        """Take a sign as often as it is repeated here; the count."""
         found = 0
         while self.accept(sign):
             found += 1
@@ -357,7 +357,7 @@ def _both(compute: Callable[[Any, Any], Any], left: Function, right: Function) -
 
 
 def _short(left: Function, right: Function, until: bool) -> Function:
-    """``||`` (until true) and ``&&`` (until false), which give the last value they looked at."""
+    """``||`` and ``&&``: the value of the first operand that decides, or of the last."""
 
     def value(slots: list[Any], event: Mapping[str, Any] | None) -> Any:
         first = left(slots, event)

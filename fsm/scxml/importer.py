@@ -1,12 +1,12 @@
-"""Missions that went out as SCXML, read again: the way back of :mod:`fsm.scxml.writer`.
+"""Imports missions that :mod:`fsm.scxml.writer` exported as SCXML.
 
-The document becomes the nodes of the YAML it came from, in the places of the document, and the
-mission's own reader does the rest: all its rules and messages hold here too.
+The document is turned into YAML nodes with the places of the document, which the reader of missions
+then reads: all its rules and messages hold here too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,10 +15,12 @@ from fsm.language.spec import MissionSpec
 from fsm.scxml.document import Element
 from fsm.scxml.writer import DATAMODEL
 from vencejo.errors import UserError, Where, nearest
-from vencejo.nodes import Mapping, Node, Scalar, Sequence, read_text
+from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, read_text
 
 _STATES = ("state", "parallel", "final", "history")
 _BLOCKS = {"onentry": "entry", "onexit": "exit", "v:throughout": "throughout"}
+_NAMED = {"donedata": ("output", "param", "name"), "datamodel": ("data", "data", "id")}
+"""Elements that stand for a map: its key, the elements inside, their attribute with the name."""
 _TRIGGERS = {"event": "on", "v:when": "when", "v:after": "after"}
 _ATTRIBUTES = {
     "transition": {"event", "cond", "target", "type"},
@@ -30,18 +32,18 @@ _ATTRIBUTES = {
 """Beside ours; of a `send` every attribute is a key of the mission."""
 _SEND = {"event": "event", "id": "id", "delayexpr": "delay"}
 
-Entry = tuple[Scalar, Node]
+Entry = tuple[Scalar, YamlNode]
 
 
 def is_mission(root: Element) -> bool:
-    """Whether a document is one of ours."""
+    """Whether a document is an exported mission, by its data model."""
     return root.get("datamodel") == DATAMODEL
 
 
 def import_mission(root: Element, file: str, folder: Path | None = None) -> MissionSpec:
-    """The mission of a document that :func:`fsm.scxml.writer.write_scxml` wrote, or like it.
+    """The mission of a document of the form that :func:`fsm.scxml.writer.write_scxml` writes.
 
-    What it includes lies in ``folder``. Raises UserError with all mistakes of form.
+    The files that it includes lie in ``folder``. Raises UserError with all mistakes of form.
     """
     if root.tag != "scxml":
         raise UserError("not-scxml", f"<{root.tag}> is no SCXML document", root.where)
@@ -54,7 +56,7 @@ def import_mission(root: Element, file: str, folder: Path | None = None) -> Miss
 
 
 class _Importer:
-    """Turns elements into nodes; knows all states, to name targets as YAML does."""
+    """Turns elements into YAML nodes, and ids of targets into names that YAML looks up."""
 
     def __init__(self, root: Element) -> None:
         self.children: dict[str, set[str]] = {}
@@ -64,35 +66,40 @@ class _Importer:
                 self.children[element.get("id") or ""] = names
 
     def state(self, element: Element, path: str) -> Mapping:
-        entries: list[Entry] = []
-        if element.get("v:type") is not None:
-            entries.append((_key("type", element), _attribute(element, "v:type")))
-        elif element.tag in ("parallel", "final", "history"):
-            entries.append((_key("type", element), Scalar(element.tag, element.where)))
-        if element.get("initial") is not None:
-            entries.append((_key("initial", element), self.within(element, "initial", path)))
+        entries = [*self.head(element, path)]
         for child in element.children:
-            if child.tag in _BLOCKS:
-                entries.append((_key(_BLOCKS[child.tag], child), self.actions(child.children)))
-            elif child.tag.startswith("v:"):
-                entries.append((_key(child.tag[2:], child), _content(child)))
-            elif child.tag == "donedata":
-                entries.append(_named("output", child, child.all("param"), "name"))
-            elif child.tag == "datamodel":
-                entries.append(_named("data", child, child.all("data"), "id"))
-            elif child.tag not in (*_STATES, "transition"):
-                message = f"<{child.tag}> is not part of a mission"
-                raise UserError("not-supported", message, child.where)
+            if child.tag not in (*_STATES, "transition"):
+                entries.append(self.part(child))
         entries += self.history(element, path) if element.tag == "history" else ()
         entries += self.triggers(element, path) if element.tag != "history" else ()
-        states = list(element.all(*_STATES))
-        if states:
-            inner: list[Entry] = []
-            for child in states:
-                name = Scalar(_name(child, element), child.place("id"))
-                inner.append((name, self.state(child, child.attributes["id"])))
+        inner: list[Entry] = []
+        for child in element.all(*_STATES):
+            name = Scalar(_name(child, element), child.place("id"))
+            inner.append((name, self.state(child, child.attributes["id"])))
+        if inner:
             entries.append((_key("states", element), Mapping(inner, element.where)))
         return Mapping(entries, element.where)
+
+    def head(self, element: Element, path: str) -> Iterator[Entry]:
+        """The `type` and `initial` of a state."""
+        if element.get("v:type") is not None:
+            yield _key("type", element), _attribute(element, "v:type")
+        elif element.tag in ("parallel", "final", "history"):
+            yield _key("type", element), Scalar(element.tag, element.where)
+        if element.get("initial") is not None:
+            yield _key("initial", element), self.within(element, "initial", path)
+
+    def part(self, child: Element) -> Entry:
+        """Read an element inside a state that stands for one of its keys. Raises UserError."""
+        if child.tag in _BLOCKS:
+            return _key(_BLOCKS[child.tag], child), self.actions(child.children)
+        if child.tag in _NAMED:
+            key, tag, name = _NAMED[child.tag]
+            return _named(key, child, child.all(tag), name)
+        if child.tag.startswith("v:"):
+            return _key(child.tag[2:], child), _content(child)
+        message = f"<{child.tag}> is not part of a mission"
+        raise UserError("not-supported", message, child.where)
 
     def history(self, element: Element, path: str) -> Iterator[Entry]:
         if element.get("type") == "deep":
@@ -102,7 +109,7 @@ class _Importer:
             yield _key("target", transition), self.within(transition, "target", around)
 
     def within(self, element: Element, attribute: str, path: str) -> Scalar:
-        """A state named from the one around it."""
+        """The id in an attribute, relative to the state of ``path``."""
         scalar = _attribute(element, attribute)
         prefix = f"{path}." if path else ""
         return replace(scalar, text=scalar.text.removeprefix(prefix))
@@ -111,7 +118,7 @@ class _Importer:
 
     def triggers(self, element: Element, path: str) -> Iterator[Entry]:
         """The transitions of a state by kind; those of one trigger become its alternatives."""
-        kinds: dict[str, list[tuple[Scalar, list[Node]]]] = {}
+        kinds: dict[str, list[tuple[Scalar, list[YamlNode]]]] = {}
         for transition in element.all("transition"):
             attribute = next((name for name in _TRIGGERS if transition.get(name)), None)
             kind = _TRIGGERS[attribute] if attribute else "always"
@@ -137,13 +144,13 @@ class _Importer:
                 entries.append((key, Sequence(alternatives, key.where)))
             yield _key(kind, element), Mapping(entries, element.where)
 
-    def transition(self, element: Element, path: str) -> Node:
+    def transition(self, element: Element, path: str) -> YamlNode:
         _refuse_foreign(element)
         entries: list[Entry] = []
         ids = (element.get("target") or "").split()
         if ids:
             where = element.place("target")
-            targets: list[Node] = [Scalar(self.relative(path, id_), where) for id_ in ids]
+            targets: list[YamlNode] = [Scalar(self.relative(path, id_), where) for id_ in ids]
             entries.append((_key("target", element), Sequence(targets, where)))
             inside = all(id_.startswith(f"{path}." if path else "") for id_ in ids)
             if path and inside and element.get("type") != "internal":
@@ -159,7 +166,7 @@ class _Importer:
         return Mapping(entries, element.where)
 
     def relative(self, source: str, target: str) -> str:
-        """A name for a state that is looked up from ``source`` outwards, as in YAML."""
+        """The name by which a YAML target in the state ``source`` means the state ``target``."""
         nearer: set[str] = set()
         place = source
         while True:
@@ -176,7 +183,7 @@ class _Importer:
     # -- actions ----------------------------------------------------------------------------
 
     def actions(self, elements: Iterable[Element]) -> Sequence:
-        blocks: list[Node] = []
+        blocks: list[YamlNode] = []
         where = Where("")
         for element in elements:
             where = element.where
@@ -186,33 +193,48 @@ class _Importer:
 
 def _action(element: Element) -> Entry:
     _refuse_foreign(element)
-    match element.tag:
-        case "assign":
-            return _named("set", element, [element], "location")
-        case "v:set" | "v:append":
-            return _named(element.tag[2:], element, element.all("assign"), "location")
-        case "raise":
-            event: Node = _attribute(element, "event")
-            if element.get("v:with") is not None and isinstance(event, Scalar):
-                event = Mapping([(event, _value(element, "v:with"))], event.where)
-            return _key("raise", element), event
-        case "send":
-            entries: list[Entry] = [
-                (_key(_SEND.get(name, name.removeprefix("v:")), element), _value(element, name))
-                for name in element.attributes
-            ]
-            return _key("send", element), Mapping(entries, element.where)
-        case "cancel":
-            return _key("cancel", element), _value(element, "sendidexpr")
-        case "log":
-            return _key("log", element), _value(element, "expr")
+    read = _ACTIONS.get(element.tag)
+    if read is not None:
+        return read(element)
     if element.tag.startswith("v:"):
         return _key(element.tag[2:], element), _content(element)
     raise UserError("not-supported", f"<{element.tag}> is no action of a mission", element.where)
 
 
+def _raise(element: Element) -> Entry:
+    event = _attribute(element, "event")
+    if element.get("v:with") is None:
+        return _key("raise", element), event
+    return _key("raise", element), Mapping([(event, _value(element, "v:with"))], event.where)
+
+
+def _send(element: Element) -> Entry:
+    entries: list[Entry] = [
+        (_key(_SEND.get(name, name.removeprefix("v:")), element), _value(element, name))
+        for name in element.attributes
+    ]
+    return _key("send", element), Mapping(entries, element.where)
+
+
+def _several(element: Element) -> Entry:
+    """A `set` or `append` of several variables at once."""
+    return _named(element.tag[2:], element, element.all("assign"), "location")
+
+
+_ACTIONS: dict[str, Callable[[Element], Entry]] = {
+    "assign": lambda element: _named("set", element, [element], "location"),
+    "v:set": _several,
+    "v:append": _several,
+    "raise": _raise,
+    "send": _send,
+    "cancel": lambda element: (_key("cancel", element), _value(element, "sendidexpr")),
+    "log": lambda element: (_key("log", element), _value(element, "expr")),
+}
+"""The readers of actions; any other action is an element of its own name in our namespace."""
+
+
 def _refuse_foreign(element: Element) -> None:
-    """What other programs add to a transition or an action must not be lost in silence."""
+    """Raise UserError for attributes and elements of other programs, which would be lost."""
     known = _ATTRIBUTES.get(element.tag, element.attributes)
     for name in element.attributes:
         if name not in known and not name.startswith(("v:", "{")):
@@ -248,18 +270,18 @@ def _attribute(element: Element, name: str) -> Scalar:
 
 
 def _named(key: str, element: Element, parts: Iterable[Element], name: str) -> Entry:
-    """A map from the parts of an element: each has a name and an `expr`."""
+    """A map whose names and values are the attribute ``name`` and the `expr` of elements."""
     entries: list[Entry] = [(_attribute(part, name), _value(part, "expr")) for part in parts]
     return _key(key, element), Mapping(entries, element.where)
 
 
-def _value(element: Element, attribute: str) -> Node:
+def _value(element: Element, attribute: str) -> YamlNode:
     """The YAML value in an attribute."""
     scalar = _attribute(element, attribute)
     return _yaml(scalar.text, scalar.where)
 
 
-def _content(element: Element) -> Node:
+def _content(element: Element) -> YamlNode:
     """The YAML value that is an element's text."""
     return _yaml(element.text, element.text_where or element.where)
 
@@ -267,8 +289,8 @@ def _content(element: Element) -> Node:
 _LEAD = "v: "
 
 
-def _yaml(text: str, where: Where) -> Node:
-    """One value, its places moved to where it stands in the document. Raises UserError."""
+def _yaml(text: str, where: Where) -> YamlNode:
+    """Read one YAML value, with its places in the document. Raises UserError."""
     try:
         node = read_text(_LEAD + text, where.file)
     except UserError as error:
@@ -287,7 +309,7 @@ def _moved(place: Where, where: Where) -> Where:
     return where.right(max(0, place.column - 1 - len(_LEAD)))
 
 
-def _shift(node: Node, where: Where) -> Node:
+def _shift(node: YamlNode, where: Where) -> YamlNode:
     place = _moved(node.where, where)
     match node:
         case Scalar():

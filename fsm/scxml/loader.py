@@ -1,4 +1,4 @@
-"""SCXML documents of others, compiled to the same graph that missions become.
+"""Compiles SCXML documents of other programs to graphs.
 
 The W3C's rules hold here, not those of the YAML language: transitions leave their state unless
 ``type="internal"``, an event is caught by any prefix of its tokens, data are those of the whole
@@ -8,14 +8,17 @@ Not supported, and reported: ``invoke``, late binding, data and scripts in other
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
-from fsm.chart.graph import Data, Edge, Graph, Guard, Node
+from fsm.chart.draft import MAX_STATE_DEPTH, Draft, StateDraft, TransitionDraft, compatible
+from fsm.chart.executable import Data
+from fsm.chart.graph import Graph, build_nodes
 from fsm.checks.structure import dead_alternatives, endless_always, endless_states, unreachable
-from fsm.compiler.tree import domain_of
 from fsm.expressions.compiled import Compiled, constant
 from fsm.expressions.scope import FIRST_HOST_SLOT
 from fsm.faults import Faults
@@ -28,9 +31,8 @@ from fsm.values.types import ANY
 from vencejo.errors import Fault, UserError, Where, nearest
 
 VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})
-"""A document names nothing of the host, and the host reacts to nothing in it."""
+"""A host without names, which reacts to no event of a document."""
 
-MAX_STATE_DEPTH = 64
 _STATES = ("state", "parallel", "final", "history")
 _KNOWN = {
     "scxml": {"state", "parallel", "final", "datamodel", "script", "transition"},
@@ -41,22 +43,11 @@ _KNOWN = {
 }
 
 
-class ScxmlNode(Node):
-    """A state whose events are matched as SCXML matches them."""
+def descriptors_match(descriptors: str, event: str, _: Vocabulary = VOCABULARY) -> bool:
+    """Whether one of these descriptors matches an event: ``foo`` and ``foo.*`` match ``foo.bar``.
 
-    def edges_for(self, event: str, vocabulary: Vocabulary) -> tuple[Edge, ...]:
-        """The transitions this event may take here, in document order."""
-        found = self._edges_of.get(event)
-        if found is None:
-            found = tuple(
-                edge for pattern, edges in self.on if catches(pattern, event) for edge in edges
-            )
-            self._edges_of[event] = found
-        return found
-
-
-def catches(descriptors: str, event: str) -> bool:
-    """Whether one of these descriptors names the event: ``foo`` and ``foo.*`` name ``foo.bar``."""
+    They are separated by blanks (W3C recommendation of 2015, section 3.12.1).
+    """
     for descriptor in descriptors.split():
         prefix = descriptor.removesuffix("*").removesuffix(".")
         if not prefix or event == prefix or event.startswith(prefix + "."):
@@ -65,9 +56,9 @@ def catches(descriptors: str, event: str) -> bool:
 
 
 def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY) -> Graph:
-    """The graph of a document. Raises UserError with every fault that was found.
+    """Compile a document. Raises UserError with every fault that was found.
 
-    ``vocabulary`` is that of the host it will run on, whose names the document does not see.
+    ``vocabulary`` is that of the host it will run on; the document does not see its names.
     """
     if root.tag != "scxml":
         hint = 'it begins with <scxml xmlns="http://www.w3.org/2005/07/scxml">'
@@ -76,16 +67,15 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
     graph = _Loader(root, name, vocabulary, faults).graph()
     if faults:
         raise UserError.of(_in_order(faults))
-    graph.warnings = tuple(_in_order(_odd(graph)))
-    return graph
+    return replace(graph, warnings=tuple(_in_order(_odd(graph))))
 
 
 def _odd(graph: Graph) -> Iterator[Fault]:
-    """What looks like a mistake. SCXML allows all of it, so that nothing here is an error."""
+    """Warnings of likely mistakes. SCXML allows them all, so that none is an error."""
 
     def covers(earlier: str, later: str) -> bool:
         names = (descriptor.removesuffix("*").removesuffix(".") for descriptor in later.split())
-        return all(catches(earlier, name) for name in names)
+        return all(descriptors_match(earlier, name) for name in names)
 
     for fault in (
         *endless_states(graph, lambda region: False),
@@ -109,76 +99,66 @@ class _Loader:
         self.faults = faults
         self.vocabulary = vocabulary
         self.first_slot = FIRST_HOST_SLOT + len(vocabulary.names)
-        self.nodes: list[Node] = []
+        self.states = Draft()
         self.elements: list[Element] = []
-        self.by_id: dict[str, Node] = {}
+        """By the index of the state."""
+        self.by_id: dict[str, StateDraft] = {}
         if root.get("binding") == "late":
             faults.fail("not-supported", "late binding is not supported", root.place("binding"))
-        self.grow(root, None, 0)
+        self.grow(root, None)
 
-    def grow(self, element: Element, parent: Node | None, depth: int) -> Node:
-        if depth > MAX_STATE_DEPTH:
+    def grow(self, element: Element, parent: StateDraft | None) -> None:
+        """Add the state of an element, with all inside."""
+        id_ = "" if parent is None else element.get("id") or f"state.{len(self.states)}"
+        state = self.states.add(id_, id_, _type(element), element.where, parent)
+        if state.depth > MAX_STATE_DEPTH:
             message = f"states nest at most {MAX_STATE_DEPTH} deep"
             raise UserError("too-deep", message, element.where)
-        index = len(self.nodes)
-        id_ = "" if parent is None else element.get("id") or f"state.{index}"
-        node = ScxmlNode(id_, id_, _type(element), index, element.where)
-        node.parent = parent
-        node.border = parent is None
-        node.ancestors = (parent, *parent.ancestors) if parent else ()
+        state.border = parent is None
         if element.tag == "history":
             with self.faults.collecting():
-                node.deep = _kind(element, "shallow", "deep") == "deep"
-        node.entered_slot = self.first_slot + index
+                state.deep = _kind(element, "shallow", "deep") == "deep"
         if id_ in self.by_id:
             message = f"the id '{id_}' stands twice, first at {self.by_id[id_].where}"
             self.faults.fail("duplicate-id", message, element.place("id"))
-        self.by_id[id_] = node
-        self.nodes.append(node)
+        self.by_id[id_] = state
         self.elements.append(element)
+        known = _KNOWN[element.tag]
         for child in element.children:
-            known = child.tag in _KNOWN[element.tag] or child.tag.startswith(("{", "v:"))
-            if not known:
+            if child.tag not in known and not child.tag.startswith(("{", "v:")):
                 what = f"<{child.tag}> in <{element.tag}> is not supported"
-                hint = nearest(child.tag, _KNOWN[element.tag])
-                self.faults.fail("not-supported", what, child.where, hint)
-        node.children = tuple(
-            self.grow(child, node, depth + 1)
-            for child in element.all(*_STATES)
-            if child.tag in _KNOWN[element.tag]
-        )
-        node.last = len(self.nodes) - 1
-        return node
+                self.faults.fail("not-supported", what, child.where, nearest(child.tag, known))
+        for child in element.all(*_STATES):
+            if child.tag in known:
+                self.grow(child, state)
 
     def graph(self) -> Graph:
-        root = self.nodes[0]
-        event_slot = self.first_slot + len(self.nodes)
+        event_slot = self.first_slot + len(self.states)
         counter = event_slot + 1
         variables = dict.fromkeys(["_sessionid", "_name", *self.declared()])
         slots = {name: counter + 1 + place for place, name in enumerate(variables)}
-        states = {node.path: node.index for node in self.nodes[1:]}
+        states = {state.path: state.index for state in self.states[1:]}
         names = Names(slots, states, event_slot)
         self.content = Content(names, self.faults, counter)
-        if not root.children:
+        if len(self.states) == 1:
             self.faults.fail("no-states", "there is no state in here", self.root.where)
         else:
             self.link()
-            root.data = tuple(self.data(names))
-            for node, element in zip(self.nodes, self.elements, strict=True):
-                self.fill(node, element)
+            self.states[0].data = tuple(self.data(names))
+            for state, element in zip(self.states, self.elements, strict=True):
+                self.fill(state, element)
+        nothing: Mapping[str, Any] = MappingProxyType({})
         return Graph(
             name=self.name,
             description="",
-            root=root,
-            nodes=tuple(self.nodes),
-            parameters={},
-            parameter_slots={},
+            nodes=build_nodes(self.states, self.first_slot, descriptors_match),
+            parameters=nothing,
+            parameter_slots=nothing,
             vocabulary=self.vocabulary,
             slots=counter + 1 + len(variables),
-            events={},
+            events=nothing,
             world=None,
             outer_first=False,
-            by_path=dict(self.by_id),
             event_slot=event_slot,
             document=self.root,
         )
@@ -222,44 +202,46 @@ class _Loader:
                     first = Compiled(ANY, compile_value(text, where, names), text, where)
                 yield Data(name, names.variables[name], ANY, first)
 
-    # -- where states lead ------------------------------------------------------------------
+    # -- targets ----------------------------------------------------------------------------
 
     def link(self) -> None:
-        for node, element in zip(self.nodes, self.elements, strict=True):
+        """Resolve the initial states and the default targets of history states."""
+        for state, element in zip(self.states, self.elements, strict=True):
             with self.faults.collecting():
-                if node.type == "compound":
-                    node.initial = self.initial(node, element)
-                elif node.type == "history":
-                    node.initial = self.first_time(node, element)
+                if state.type == "compound":
+                    state.initial = self.initial(state, element)
+                elif state.type == "history":
+                    state.initial = self.default_targets(state, element)
 
-    def initial(self, node: Node, element: Element) -> tuple[Node, ...]:
+    def initial(self, state: StateDraft, element: Element) -> tuple[StateDraft, ...]:
         transition = _transition_of(next(element.all("initial"), None))
         if element.get("initial") is not None:
             targets = self.targets(element, "initial")
         elif transition is not None:
             targets = self.targets(transition, "target")
         else:
-            targets = tuple(child for child in node.children if child.type != "history")[:1]
-        outside = next((target for target in targets if not node.contains(target)), None)
+            targets = tuple([c for c in state.children if c.type != "history"][:1])
+        outside = next((target for target in targets if not state.contains(target)), None)
         if outside is not None or not targets:
             what = f"'{outside.path}' is not inside" if outside else "no initial state is in here"
             raise UserError("unknown-target", what, element.place("initial"))
         return targets
 
-    def first_time(self, node: Node, element: Element) -> tuple[Node, ...]:
+    def default_targets(self, history: StateDraft, element: Element) -> tuple[StateDraft, ...]:
+        """The states that a history state stands for while it has no content. Raises UserError."""
         transition = _transition_of(element)
-        assert node.parent is not None
+        assert history.parent is not None
         if transition is None or transition.get("target") is None:
             what = "a history state needs a <transition> for the first time"
             raise UserError("missing-transition", what, element.where)
         targets = self.targets(transition, "target")
         for target in targets:
-            if not node.parent.contains(target) or target.type == "history":
+            if not history.parent.contains(target) or target.type == "history":
                 what = f"'{target.path}' is no state beside this history"
                 raise UserError("unknown-target", what, transition.place("target"))
         return targets
 
-    def targets(self, element: Element, attribute: str) -> tuple[Node, ...]:
+    def targets(self, element: Element, attribute: str) -> tuple[StateDraft, ...]:
         ids = (element.get(attribute) or "").split()
         for id_ in ids:
             if not id_ or id_ not in self.by_id:
@@ -267,11 +249,10 @@ class _Loader:
                 raise UserError(
                     "unknown-target", what, where, nearest(id_, filter(None, self.by_id))
                 )
-        targets = tuple(self.by_id[id_] for id_ in ids)
-        # In document order, two that clash have neighbours that do.
+        targets = tuple([self.by_id[id_] for id_ in ids])
+        # In document order, two incompatible targets have neighbours that are.
         for a, b in pairwise(sorted(targets, key=lambda target: target.index)):
-            common = next(place for place in (a, *a.ancestors) if place in (b, *b.ancestors))
-            if common.type != "parallel" or common in (a, b):
+            if not compatible(a, b):
                 raise UserError(
                     "conflicting-targets",
                     f"'{a.path}' and '{b.path}' cannot be entered together",
@@ -280,53 +261,50 @@ class _Loader:
                 )
         return targets
 
-    # -- what stands in each state ----------------------------------------------------------
+    # -- the contents of each state ---------------------------------------------------------
 
-    def fill(self, node: Node, element: Element) -> None:
+    def fill(self, state: StateDraft, element: Element) -> None:
+        """Compile everything that stands in a state into its draft."""
         content = self.content
-        node.entry = content.blocks(element.all("onentry"))
-        if node.parent is None:
-            node.entry = content.actions(element.all("script"))
-        node.exit_actions = content.blocks(element.all("onexit"))
+        if state.parent is None:
+            state.entry = content.actions(element.all("script"))
+        else:
+            state.entry = content.blocks(element.all("onentry"))
+        state.exit_actions = content.blocks(element.all("onexit"))
         donedata = next(element.all("donedata"), None)
         if donedata is not None:
             with self.faults.collecting():
-                node.output = {
-                    name: Compiled(ANY, function, name, donedata.where)
+                state.output = [
+                    (name, Compiled(ANY, function, name, donedata.where))
                     for name, function in content.fields(donedata).items()
-                }
-        if node.type == "history":
+                ]
+        if state.type == "history":
             holder = _transition_of(element)
         else:
             holder = _transition_of(next(element.all("initial"), None))
-        node.default_actions = content.actions(holder.children) if holder else ()
-        on: list[tuple[str, tuple[Edge, ...]]] = []
-        always: list[Edge] = []
-        for transition in element.all("transition") if node.type != "history" else ():
-            with self.faults.collecting():
-                edge = self.edge(node, transition)
-                if edge.kind == "on":
-                    on.append((edge.trigger, (edge,)))
-                else:
-                    always.append(edge)
-        node.on, node.always = tuple(on), tuple(always)
+            transitions = self.transitions(element)
+            state.on = [(draft.trigger, [draft]) for draft in transitions if draft.kind == "on"]
+            state.always = [draft for draft in transitions if draft.kind == "always"]
+        state.default_actions = content.actions(holder.children) if holder else ()
 
-    def edge(self, node: Node, element: Element) -> Edge:
-        event = element.get("event")
-        if event is None:
-            edge = Edge(node, "always", "always", element.where)
-        else:
-            edge = Edge(node, "on", needed(element, "event"), element.where)
-        edge.reenter = _kind(element, "external", "internal") == "external"
-        edge.guard = self.content.condition(element)
-        if edge.guard is not None:
-            edge.conditions.append(Guard(edge.guard))
-        edge.actions = self.content.actions(element.children)
-        edge.targets = self.targets(element, "target")
-        if edge.targets:
-            edge.dest = ", ".join(target.path for target in edge.targets)
-            edge.domain = domain_of(node, edge.targets, edge.reenter)
-        return edge
+    def transitions(self, element: Element) -> list[TransitionDraft]:
+        found = []
+        for transition in element.all("transition"):
+            with self.faults.collecting():
+                found.append(self.transition(transition))
+        return found
+
+    def transition(self, element: Element) -> TransitionDraft:
+        always = element.get("event") is None
+        return TransitionDraft(
+            "always" if always else "on",
+            "always" if always else needed(element, "event"),
+            element.where,
+            reenter=_kind(element, "external", "internal") == "external",
+            guard=self.content.condition(element),
+            actions=self.content.actions(element.children),
+            targets=self.targets(element, "target"),
+        )
 
 
 def _type(element: Element) -> StateType:
@@ -339,7 +317,7 @@ def _type(element: Element) -> StateType:
 
 
 def _kind(element: Element, usual: str, other: str) -> str:
-    """Its ``type``, which is one of two words. Raises UserError."""
+    """The ``type`` of an element, one of two words. Raises UserError."""
     word = element.get("type") or usual
     if word not in (usual, other):
         what = f"a <{element.tag}> is {usual} or {other}, not '{word}'"

@@ -1,4 +1,4 @@
-"""SCXML's time: nothing happens between events, so that a clock may jump from one to the next."""
+"""Runs SCXML documents in their own time: the clock jumps from one event to the next."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ MAX_PERIODS = 10_000
 
 
 def advance(instance: Instance, now: float) -> None:
-    """Hear all that is posted, and what is sent and due up to ``now`` seconds, each in its time.
+    """Process all posted events, and the sent ones that are due up to ``now`` seconds, in order.
 
     Raises RuntimeError after MAX_PERIODS: the document then sends itself events for ever.
     """

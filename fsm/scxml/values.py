@@ -1,4 +1,4 @@
-"""What the operators and functions of SCXML's expressions do with values."""
+"""The operators and functions of SCXML's expressions."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ MATH: Mapping[str, tuple[int, int, Callable[..., Any]]] = {
 
 
 def truth(value: Any) -> bool:
-    """Whether a value counts as true in ECMAScript."""
+    """Whether a value is true by ECMAScript's rules."""
     if isinstance(value, (list, dict)):
         return True
     return bool(value)
 
 
 def text_of(value: Any) -> str:
-    """A value as ECMAScript puts it into a text."""
+    """The text that ECMAScript converts a value to."""
     match value:
         case None:
             return "undefined"

@@ -1,7 +1,7 @@
-"""Missions as SCXML, so that other tools can show them; nothing of the mission is lost.
+"""Exports missions as SCXML, so that other tools can show them; nothing of the mission is lost.
 
-What SCXML has too is written in its words: states, transitions, history, entry and exit actions,
-data. The rest travels in our own namespace, each key of the mission as an element or attribute of
+States, transitions, history, entry and exit actions and data are written as SCXML's own elements.
+Everything else is written in our namespace, each key of the mission as an element or attribute of
 that name, which :mod:`fsm.scxml.importer` reads again. A state's id is its path. Values and
 expressions stay as they are in YAML; ``datamodel="vencejo"`` says so.
 """
@@ -18,7 +18,7 @@ from fsm.language.spec import MissionSpec
 from fsm.scxml.document import OURS, SCXML
 from vencejo.errors import UserError, Where
 from vencejo.markup import ILLEGAL
-from vencejo.nodes import Mapping, Node, Scalar, Sequence
+from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode
 
 DATAMODEL = "vencejo"
 _SAFE = re.compile(r"(?:[^\s\-?:,\[\]{}#&*!|>'\"%@`]|-(?=\S))[^,\[\]{}\n]*")
@@ -26,14 +26,13 @@ _ESCAPED = re.compile("[\x7f-\xa0\u2028\u2029\ufeff]")
 _BLOCKS = {"entry": "onentry", "exit": "onexit", "throughout": "v:throughout"}
 _TRIGGERS = ("on", "when", "after", "always")
 _STRUCTURE = frozenset({"states", "type", "initial", "data", *_BLOCKS, *_TRIGGERS})
-_FINAL = frozenset({"output"})
-_HISTORY = frozenset({"deep", "target"})
+_OF_TYPE = {"final": frozenset({"output"}), "history": frozenset({"deep", "target"})}
 
 
 def write_scxml(spec: MissionSpec) -> str:
-    """A mission that compiles, as an SCXML document. Raises UserError."""
+    """Export a mission that compiles as an SCXML document. Raises UserError."""
     faults = Faults()
-    writer = _Writer(Tree(spec, 0, faults))
+    writer = _Writer(Tree(spec, faults))
     assert spec.node is not None, "the reader keeps the node of every mission"
     root = Xml.Element("scxml", {"xmlns": SCXML, "xmlns:v": OURS, "version": "1.0"})
     root.set("datamodel", DATAMODEL)
@@ -47,7 +46,7 @@ def write_scxml(spec: MissionSpec) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
-def flow(node: Node) -> str:
+def flow(node: YamlNode) -> str:
     """A value in one line of YAML."""
     match node:
         case Sequence(items=items):
@@ -65,29 +64,21 @@ def flow(node: Node) -> str:
 
 
 class _Writer:
-    """Writes states into elements; the tree finds what their targets mean."""
+    """Writes states into elements; the tree resolves their targets."""
 
     def __init__(self, tree: Tree) -> None:
         self.tree = tree
-        self.nodes = {node.path: node for node in tree.nodes}
+        self.states = {state.path: state for state in tree.states}
 
     def state(self, element: Xml.Element, node: Mapping, path: str, done: frozenset[str]) -> None:
+        """Write a state into its element; the keys in ``done`` stand there already."""
         type_ = _text(node.get("type"))
-        done |= _STRUCTURE
-        done |= {"final": _FINAL, "history": _HISTORY}.get(type_, frozenset())
-        initial = _text(node.get("initial"))
-        if initial:
-            element.set("initial", f"{path}.{initial}" if path else initial)
-        if not path and type_:
-            element.set("v:type", type_)
+        self.head(element, node, path, type_)
+        done |= _STRUCTURE | _OF_TYPE.get(type_, frozenset())
         for key, value in node:
             if key.text not in done:
                 Xml.SubElement(element, f"v:{key.text}").text = flow(value)
-        data = _entries(node.get("data"))
-        if data:
-            model = Xml.SubElement(element, "datamodel")
-            for variable, value in data:
-                Xml.SubElement(model, "data", {"id": variable.text, "expr": flow(value)})
+        self.data(element, node)
         for name, tag in _BLOCKS.items():
             block = node.get(name)
             if block is not None:
@@ -103,6 +94,20 @@ class _Writer:
             inner = f"{path}.{word.text}" if path else word.text
             tag = _text(body.get("type")) or "state"
             self.state(Xml.SubElement(element, tag, {"id": inner}), body, inner, frozenset())
+
+    def head(self, element: Xml.Element, node: Mapping, path: str, type_: str) -> None:
+        initial = _text(node.get("initial"))
+        if initial:
+            element.set("initial", f"{path}.{initial}" if path else initial)
+        if not path and type_:
+            element.set("v:type", type_)
+
+    def data(self, element: Xml.Element, node: Mapping) -> None:
+        data = _entries(node.get("data"))
+        if data:
+            model = Xml.SubElement(element, "datamodel")
+            for variable, value in data:
+                Xml.SubElement(model, "data", {"id": variable.text, "expr": flow(value)})
 
     def output(self, element: Xml.Element, node: Mapping) -> None:
         output = _entries(node.get("output"))
@@ -122,7 +127,7 @@ class _Writer:
 
     def triggers(self, element: Xml.Element, node: Mapping, path: str, kind: str) -> None:
         value = node.get(kind)
-        found: list[tuple[Scalar | None, Node]] = [*_entries(value)]
+        found: list[tuple[Scalar | None, YamlNode]] = [*_entries(value)]
         if kind == "always" and value is not None:
             found = [(None, value)]
         compound = node.get("states") is not None
@@ -135,7 +140,7 @@ class _Writer:
                     transition.set(f"v:{kind}", key.text)
                 self.transition(transition, item, path)
 
-    def transition(self, element: Xml.Element, node: Node, path: str) -> None:
+    def transition(self, element: Xml.Element, node: YamlNode, path: str) -> None:
         if not isinstance(node, Mapping):
             node = Mapping([(Scalar("target", node.where), node)], node.where)
         for key, value in node:
@@ -149,8 +154,8 @@ class _Writer:
                 case other:
                     element.set(f"v:{other}", flow(value))
 
-    def targets(self, element: Xml.Element, node: Node, path: str, reenter: bool) -> None:
-        source = self.nodes[path]
+    def targets(self, element: Xml.Element, node: YamlNode, path: str, reenter: bool) -> None:
+        source = self.states[path]
         scalars = [item for item in _items(node) if isinstance(item, Scalar)]
         targets = [self.tree.target(source, scalar) for scalar in scalars]
         element.set("target", " ".join(target.path for target in targets))
@@ -159,12 +164,12 @@ class _Writer:
 
     # -- actions ----------------------------------------------------------------------------
 
-    def actions(self, element: Xml.Element, node: Node) -> None:
+    def actions(self, element: Xml.Element, node: YamlNode) -> None:
         for block in _items(node):
             for kind, value in _entries(block):
                 self.action(element, kind.text, value)
 
-    def action(self, element: Xml.Element, kind: str, node: Node) -> None:
+    def action(self, element: Xml.Element, kind: str, node: YamlNode) -> None:
         match kind, node:
             case "set" | "append", Mapping(entries=entries):
                 # Several at once: their right sides all come first.
@@ -190,19 +195,19 @@ class _Writer:
 
 
 def event_of(trigger: str, path: str, compound: bool) -> str:
-    """The name SCXML has for an outcome: ``done`` is an event there, named after its state."""
+    """SCXML's name for an outcome: ``done`` is an event there, named after its state."""
     if trigger == "done" and path:
         return f"done.{'state' if compound else 'invoke'}.{path}"
     return trigger
 
 
-def _entries(node: Node | None) -> list[tuple[Scalar, Node]]:
+def _entries(node: YamlNode | None) -> list[tuple[Scalar, YamlNode]]:
     return node.entries if isinstance(node, Mapping) else []
 
 
-def _items(node: Node) -> list[Node]:
+def _items(node: YamlNode) -> list[YamlNode]:
     return node.items if isinstance(node, Sequence) else [node]
 
 
-def _text(node: Node | None) -> str:
+def _text(node: YamlNode | None) -> str:
     return node.text if isinstance(node, Scalar) else ""

@@ -31,25 +31,25 @@ from vencejo.geometry import Point, bearing, distance, wrap
 from vencejo.units import ANGLE, LENGTH
 
 LOOP_BUDGET = 20_000
-"""Steps that the comprehensions of one evaluation may take together."""
+"""The most steps of all comprehensions in one evaluation."""
 
 
 MAX_RESULT = 1_000_000
-"""What a value may hold: characters of its texts, and eight for anything else in it."""
+"""The largest size of a value: the characters of its texts, and 8 for anything else in it."""
 MAX_NESTING = 50
-"""Lists and maps inside each other."""
+"""The most levels of lists and maps inside each other."""
 
 
 class EvaluationError(Exception):
-    """An expression that has no value just now."""
+    """An expression has no value at present; the message says why."""
 
 
 FAILURES = (EvaluationError, ArithmeticError, TypeError, ValueError, LookupError, AttributeError)
-"""What evaluating a checked expression can still raise, all of it ``error.execution``."""
+"""The exceptions that a checked expression can still raise; all become ``error.execution``."""
 
 
 def plain(error: Exception) -> str:
-    """Why an expression has no value, in plain words."""
+    """The reason why an expression has no value, in plain words."""
     if isinstance(error, OverflowError):
         return "the result is too large"
     if isinstance(error, ZeroDivisionError):
@@ -58,7 +58,7 @@ def plain(error: Exception) -> str:
 
 
 def bounded(value: Any) -> Any:
-    """A value small enough to keep. Raises EvaluationError."""
+    """The value, if it is small enough to keep. Raises EvaluationError."""
     if isinstance(value, (int, float)) and -MAX_NUMBER < value < MAX_NUMBER:
         return value
     size = 0
@@ -154,6 +154,9 @@ class Budget:
             yield value
 
 
+_WORDS = {True: "true", False: "false", None: "none"}
+
+
 def shown(value: Any) -> str:
     """A value as an expression would write it, shortened."""
     text = as_text(value)
@@ -161,12 +164,10 @@ def shown(value: Any) -> str:
 
 
 def as_text(value: Any) -> str:
-    """How a value reads inside a text."""
+    """The form of a value inside a text."""
     match value:
-        case bool():
-            return "true" if value else "false"
-        case None:
-            return "none"
+        case bool() | None:
+            return _WORDS[value]
         case float():
             return f"{value:.6g}"
         case Point():

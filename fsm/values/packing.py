@@ -1,4 +1,4 @@
-"""Values as JSON and back, exactly: what a running graph holds, in a file.
+"""Packs the values of a running graph as JSON, and unpacks them, without any loss.
 
 JSON has no points, tuples or records, and its maps no keys but texts. A map with one key that
 begins with ``$`` stands for each of them: ``{"$point": [0.0, 1.5, 3.0]}``. Floats keep every bit,
@@ -8,10 +8,10 @@ since Python writes the shortest decimal that reads back as the same number.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from math import isfinite
-from types import SimpleNamespace
+from types import NoneType, SimpleNamespace
 from typing import Any
 
 from vencejo.errors import UserError
@@ -20,35 +20,55 @@ from vencejo.geometry import Point
 
 def pack(value: Any) -> Any:
     """A value in the form JSON can hold. Raises UserError (``unsavable``)."""
-    match value:
-        case None | bool() | str():
-            return value
-        case int():
-            return int(value)
-        case float():
-            return float(value) if isfinite(value) else {"$float": str(value)}
-        case Point():
-            return {"$point": [pack(axis) for axis in value]}
-        case list():
-            return [pack(element) for element in value]
-        case tuple() if not hasattr(value, "_fields"):
-            return {"$tuple": [pack(element) for element in value]}
-        case Mapping():
-            if all(isinstance(key, str) and not key.startswith("$") for key in value):
-                return {key: pack(inner) for key, inner in value.items()}
-            return {"$map": [[pack(key), pack(inner)] for key, inner in value.items()]}
-        case set() | frozenset():
-            return {f"${type(value).__name__}": [pack(element) for element in value]}
-        case SimpleNamespace():
-            return {"$namespace": pack(vars(value))}
-    if is_dataclass(value) and not isinstance(value, type):
-        kept = {field.name: pack(getattr(value, field.name)) for field in fields(value)}
-        return {"$record": [type(value).__module__, type(value).__qualname__, kept]}
-    raise UserError(
+    for class_, packer in _PACKERS:
+        if isinstance(value, class_):
+            return packer(value)
+    if not is_dataclass(value) or isinstance(value, type):
+        raise _unsavable(value)
+    kept = {field.name: pack(getattr(value, field.name)) for field in fields(value)}
+    return {"$record": [type(value).__module__, type(value).__qualname__, kept]}
+
+
+def _unsavable(value: Any) -> UserError:
+    return UserError(
         "unsavable",
         f"a {type(value).__name__} cannot be saved",
         hint="behaviours keep and publish numbers, texts, points, lists, maps and dataclasses",
     )
+
+
+def _pack_float(value: float) -> Any:
+    return float(value) if isfinite(value) else {"$float": str(value)}
+
+
+def _pack_all(values: Iterable[Any]) -> list[Any]:
+    return [pack(value) for value in values]
+
+
+def _pack_tuple(value: tuple[Any, ...]) -> Any:
+    if hasattr(value, "_fields"):
+        raise _unsavable(value)  # a named tuple would come back without its names
+    return {"$tuple": _pack_all(value)}
+
+
+def _pack_map(value: Mapping[Any, Any]) -> Any:
+    if all(isinstance(key, str) and not key.startswith("$") for key in value):
+        return {key: pack(inner) for key, inner in value.items()}
+    return {"$map": [[pack(key), pack(inner)] for key, inner in value.items()]}
+
+
+_PACKERS: tuple[tuple[type | tuple[type, ...], Callable[[Any], Any]], ...] = (
+    ((str, bool, NoneType), lambda value: value),  # bool before int, whose subclass it is
+    (float, _pack_float),
+    (int, int),
+    (Point, lambda value: {"$point": _pack_all(value)}),  # before tuple
+    (list, _pack_all),
+    (tuple, _pack_tuple),
+    (Mapping, _pack_map),
+    ((set, frozenset), lambda value: {f"${type(value).__name__}": _pack_all(value)}),
+    (SimpleNamespace, lambda value: {"$namespace": pack(vars(value))}),
+)
+"""By the class of the value; the first that fits."""
 
 
 def unpack(packed: Any) -> Any:
@@ -60,25 +80,10 @@ def unpack(packed: Any) -> Any:
     tag = next(iter(packed), "")
     if not tag.startswith("$"):
         return {key: unpack(inner) for key, inner in packed.items()}
-    inside = packed[tag]
-    match tag:
-        case "$float":
-            return float(inside)
-        case "$point":
-            return Point(*map(unpack, inside))
-        case "$tuple":
-            return tuple(unpack(element) for element in inside)
-        case "$map":
-            return {unpack(key): unpack(inner) for key, inner in inside}
-        case "$set":
-            return {unpack(element) for element in inside}
-        case "$frozenset":
-            return frozenset(unpack(element) for element in inside)
-        case "$namespace":
-            return SimpleNamespace(**unpack(inside))
-        case "$record":
-            return _record(*inside)
-    raise ValueError(f"'{tag}' is no kind of value")
+    unpacker = _UNPACKERS.get(tag)
+    if unpacker is None:
+        raise ValueError(f"'{tag}' is no kind of value")
+    return unpacker(packed[tag])
 
 
 def _record(module: str, name: str, kept: dict[str, Any]) -> Any:
@@ -94,3 +99,16 @@ def _record(module: str, name: str, kept: dict[str, Any]) -> Any:
     for field, inner in kept.items():
         object.__setattr__(record, field, unpack(inner))
     return record
+
+
+_UNPACKERS: Mapping[str, Callable[[Any], Any]] = {
+    "$float": float,
+    "$point": lambda inside: Point(*map(unpack, inside)),
+    "$tuple": lambda inside: tuple(map(unpack, inside)),
+    "$map": lambda inside: {unpack(key): unpack(inner) for key, inner in inside},
+    "$set": lambda inside: set(map(unpack, inside)),
+    "$frozenset": lambda inside: frozenset(map(unpack, inside)),
+    "$namespace": lambda inside: SimpleNamespace(**unpack(inside)),
+    "$record": lambda inside: _record(*inside),
+}
+"""By the key that stands for the kind of value."""

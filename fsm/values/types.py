@@ -1,4 +1,4 @@
-"""The types of the mission language: what an expression gives and what a place takes.
+"""The types of the mission language: those of expressions and of the places for values.
 
 A type is a value; two types are compared with :func:`fits`. How a literal is read into a place of
 a type stands in :mod:`fsm.expressions.literals`.
@@ -6,8 +6,9 @@ a type stands in :mod:`fsm.expressions.literals`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from math import inf
 from types import MappingProxyType
 from typing import Any
@@ -29,7 +30,7 @@ class Type:
 
 @dataclass(frozen=True)
 class AnyType(Type):
-    """Not known before the value is there; fits everywhere and is checked in flight."""
+    """A type that is not known before the flight; fits everywhere, and is checked in flight."""
 
 
 @dataclass(frozen=True)
@@ -140,31 +141,34 @@ NAMED: Mapping[str, Type] = MappingProxyType(
 """The types a mission may write after ``type:``."""
 
 
+_FORMS: Mapping[type[Type], tuple[type[Type], ...]] = {
+    Text: (Text,),
+    MapOf: (MapOf,),
+    HeadingType: (Text, MapOf),
+    PointType: (Text, ListOf, MapOf),
+}
+"""The types whose values may be written in a place; what is in them is checked in flight."""
+
+
 def fits(place: Type, given: Type) -> bool:
-    """Whether a value of ``given`` may stand where ``place`` is asked for, as far as is known."""
+    """Whether a value of the type ``given`` may stand in a place of type ``place``, as far as that
+    is known before the flight.
+    """
     if isinstance(place, AnyType) or isinstance(given, AnyType) or place == given:
         return True
     match place, given:
         case Number(dimension=a), Number(dimension=b):
             return a is None or b is None or a == b
-        case Text(), Text():
-            return True
-        case ListOf(item=a), ListOf(item=b):
-            return fits(a, b)
-        case MapOf(), MapOf():
-            return True
         case HeadingType(), Number(dimension=b):
             return b is None or b == ANGLE
-        case HeadingType(), (Text() | MapOf()):
-            return True
-        case PointType(), (ListOf() | MapOf() | Text()):
-            return True
+        case ListOf(item=a), ListOf(item=b):
+            return fits(a, b)
         case _:
-            return False
+            return isinstance(given, _FORMS.get(type(place), ()))
 
 
 def join(a: Type, b: Type) -> Type:
-    """The type of what may be either."""
+    """The type of a value that may be of either type."""
     if a == b:
         return a
     if isinstance(a, Number) and isinstance(b, Number):
@@ -179,8 +183,16 @@ def join(a: Type, b: Type) -> Type:
     return ANY
 
 
+def join_all(types: Sequence[Type]) -> Type:
+    """The type of a value that may be of any of these types; ANY if there are none."""
+    return reduce(join, types) if types else ANY
+
+
 def product(a: Number, b: Number, sign: int) -> Number:
-    """Any product with a bare number is bare, and angles count as bare there."""
+    """The type of a product (``sign`` 1) or quotient (-1).
+
+    Any product with a bare number is bare, and angles count as bare there.
+    """
     bare = (None, ANGLE)
     if a.dimension is None or b.dimension is None:
         return BARE
@@ -200,27 +212,24 @@ def raised(base: Number, squared: bool) -> Number:
     return BARE
 
 
+_TYPE_OF_CLASS: tuple[tuple[type, Type], ...] = (
+    (bool, BOOL),  # before int, whose subclass it is
+    (int, BARE),
+    (float, BARE),
+    (str, TEXT),
+    (Point, POINT),  # before tuple
+    (dict, MapOf()),
+)
+
+
 def type_of(value: Any) -> Type:
-    """The type of a value that is there already."""
-    match value:
-        case bool():
-            return BOOL
-        case int() | float():
-            return BARE
-        case str():
-            return TEXT
-        case Point():
-            return POINT
-        case list() | tuple():
-            items = [type_of(item) for item in value]
-            joined = items[0] if items else ANY
-            for item in items[1:]:
-                joined = join(joined, item)
-            return ListOf(joined)
-        case dict():
-            return MapOf()
-        case _:
-            return ANY
+    """The type of a value at run time."""
+    for class_, type_ in _TYPE_OF_CLASS:
+        if isinstance(value, class_):
+            return type_
+    if isinstance(value, (list, tuple)):
+        return ListOf(join_all([type_of(item) for item in value]))
+    return ANY
 
 
 def in_bounds(type_: Type, value: Any) -> None:

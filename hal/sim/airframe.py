@@ -2,8 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import pi
+from types import MappingProxyType
+
+from hal.limits import Limits
+
+PROFILES: Mapping[str, Limits] = MappingProxyType(
+    {
+        "indoor": Limits(2.0, 0.7, 0.21, 1.75, 0.05, 3.0),
+        "outdoor": Limits(5.0, 2.0, 20 * pi / 180, 3.5, 0.05, 100.0),
+    }
+)
+"""Limits for flying in a room and outside. Indoors: the example configuration of the published
+AR.Drone simulation (``altitude_min``, ``altitude_max``, ``euler_angle_max``, ``control_vz_max``,
+``control_yaw``); the speed there, and all figures for outside, are assumed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +52,11 @@ class Airframe:
     """Seconds of hovering on a full battery (the maker's figure)."""
     standby_power: float = 5.0
     """Watts that the board draws with the motors off; an assumption."""
+
+    steepest: float = 60 * pi / 180
+    """The largest tilt limit there may be, radians: the thrust of the motors carries no more."""
+    profiles: Mapping[str, Limits] = field(default_factory=lambda: PROFILES)
+    """Named limits, altitudes above home."""
 
     @property
     def height(self) -> float:

@@ -39,10 +39,12 @@ class Controller:
     """
 
     __slots__ = (
-        "_damp_x", "_damp_y", "_in_heading", "_level_x", "_level_y", "_mass", "_max_lean_torque",
-        "_max_thrust", "_max_turn_torque", "_place", "_skids", "_turn_push", "_velocity",
-        "_want_rate", "_want_x", "_want_y", "_want_z", "_yaw", "_yaw_rate", "acceleration",
-        "height", "max_altitude", "max_climb", "max_lean", "max_speed", "max_yaw_rate", "noise",
+        "_damp_x", "_damp_y", "_in_heading", "_lean", "_level_x", "_level_y", "_mass",
+        "_max_lean", "_max_lean_torque", "_max_thrust", "_max_turn_torque", "_place", "_skids",
+        "_thrust", "_tilt", "_turn_push", "_velocity", "_want_rate", "_want_x", "_want_y",
+        "_want_z", "_yaw", "_yaw_rate", "acceleration",
+        "height", "max_altitude", "max_climb", "max_speed", "max_tilt", "max_yaw_rate",
+        "min_altitude", "noise",
     )  # fmt: skip
 
     def __init__(self, airframe: Airframe) -> None:
@@ -56,10 +58,11 @@ class Controller:
         self._turn_push = iz * _TURN_PUSH
         self.max_speed = airframe.max_speed
         self.max_climb = airframe.max_climb
-        self.max_lean = tan(airframe.max_tilt)
+        self.max_tilt = airframe.max_tilt
+        self._max_lean = tan(airframe.max_tilt)
         """Horizontal over vertical part of the thrust."""
         self.max_yaw_rate = airframe.max_yaw_rate
-        self.max_altitude = inf
+        self.min_altitude, self.max_altitude = -inf, inf
         self.noise = (0.0, 0.0, 0.0)
         """Added to the velocity asked for, m/s."""
         self.acceleration = (0.0, 0.0, 0.0)
@@ -67,6 +70,12 @@ class Controller:
         self.height: float | None = None
         """World height to be at; None to climb at the velocity alone."""
         self._place: tuple[float, float] | None = None
+        self._tilt: tuple[float, float] | None = None
+        """Lean asked for itself: forward and left part of the thrust over the vertical one."""
+        self._lean: tuple[float, float] | None = None
+        """The same in the world, east and north, in this mission period."""
+        self._thrust: float | None = None
+        """Asked for with a lean, instead of a climb, newtons."""
         self._velocity = (0.0, 0.0, 0.0)
         self._in_heading = False
         self._yaw: float | None = None
@@ -81,12 +90,25 @@ class Controller:
         self.height = z
         self._velocity = velocity
         self._in_heading = False
+        self._tilt = None
 
     def fly_at(self, x: float, y: float, z: float, in_heading: bool = False) -> None:
         """Fly at a velocity: (east, north, up), or (forward, left, up) as the heading turns."""
         self._place = self.height = None
         self._velocity = (x, y, z)
         self._in_heading = in_heading
+        self._tilt = None
+
+    def tilt(self, roll: float, pitch: float, climb: float, thrust: float | None = None) -> None:
+        """Fly by tilt: roll (right side down) and pitch (nose down), radians.
+
+        Climb at m/s or, when it is given, push with a share (0 to 1) of the largest thrust.
+        """
+        self._place = self.height = None
+        self._velocity = (0.0, 0.0, climb)
+        self._in_heading = False
+        self._tilt = tan(_clamped(pitch, self.max_tilt)), -tan(_clamped(roll, self.max_tilt))
+        self._thrust = None if thrust is None else _clamped(thrust, 1.0) * self._max_thrust
 
     def stay_over(self, x: float, y: float) -> None:
         """Be over a place; the height is left as it was."""
@@ -133,6 +155,7 @@ class Controller:
 
         if self.height is not None:
             want_z += _approach(self.height - z, _APPROACH, _BRAKE)
+        want_z = max(want_z, _approach(self.min_altitude - z, _APPROACH, _BRAKE))
         want_z = min(want_z, _approach(self.max_altitude - z, _APPROACH, _BRAKE))
         want_z = max(-self.max_climb, min(self.max_climb, want_z))
 
@@ -142,6 +165,9 @@ class Controller:
             want_y + noise_y,
             want_z + noise_z,
         )
+
+        self._max_lean = tan(self.max_tilt)
+        self._lean = None if self._tilt is None else rotate_xy(*self._tilt, yaw)
 
         rate = self._yaw_rate
         if rate == 0.0 and self._yaw is None and abs(turning[2]) < _STOPPED_TURNING:
@@ -158,10 +184,16 @@ class Controller:
         east, north, up = self.acceleration
         up += (self._want_z - vz) * _PUSH
         up = GRAVITY + (_MAX_RISE if up > _MAX_RISE else _MAX_SINK if up < _MAX_SINK else up)
-        east += (self._want_x - vx) * _PUSH
-        north += (self._want_y - vy) * _PUSH
+        lean = self._lean
+        if lean is None:
+            east += (self._want_x - vx) * _PUSH
+            north += (self._want_y - vy) * _PUSH
+        else:
+            if self._thrust is not None:
+                up = self._thrust / self._mass * max(_LEAST_LIFT, 1.0 - 2.0 * (qx * qx + qy * qy))
+            east, north = up * lean[0], up * lean[1]
         sideways = sqrt(east * east + north * north)
-        most = up * self.max_lean
+        most = up * self._max_lean
         if sideways > most:
             east *= most / sideways
             north *= most / sideways
@@ -195,6 +227,10 @@ class Controller:
         limit = self._max_turn_torque
         tz = limit if tz > limit else -limit if tz < -limit else tz
         return thrust, tx, ty, tz
+
+
+def _clamped(value: float, most: float) -> float:
+    return max(-most, min(most, value))
 
 
 def _approach(off: float, gain: float, brake: float) -> float:

@@ -14,14 +14,13 @@ from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.rangefinder import SimRangefinder
 from hal.sim.settings import read_settings
 from hal.sim.vehicle import STEPS, SimVehicle
-from hal.vehicle import Options
+from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
 from worlds.model import Start, World
 from worlds.solids import thing_near
 
-_PERIODS_PER_SECOND = 40
 _ABREAST = 2.0
 """Vehicles beyond a world's starts stand this far along x from the one before, metres."""
 
@@ -92,7 +91,7 @@ class SimSession:
     def geographic(self) -> tuple[float, float, float] | None:
         return self._geographic
 
-    def wait(self) -> None:
+    def wait(self) -> float:
         """Advance by six physics steps. Raises VehicleError when the session is closed."""
         if self._physics is None:
             raise VehicleError("closed", "the simulator is closed")
@@ -109,9 +108,10 @@ class SimSession:
             for rangefinder in self._rangefinders:
                 rangefinder.sample(steps)
         self._count += 1
-        time = self._count / _PERIODS_PER_SECOND
+        time = self._count / PERIODS_PER_SECOND
         for vehicle in vehicles:
             vehicle.update(time)
+        return PERIOD
 
     def _steps(self) -> int:
         """Physics steps made so far."""

@@ -1,33 +1,35 @@
-"""The simulated vehicle: its modes, and how it answers verbs and commands."""
+"""The simulated vehicle: its modes, and how it answers orders and set-points."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite
+from math import inf
 
-from hal.orders import Orders
+from hal.base import BaseVehicle
+from hal.lights import Lights, Rgb
+from hal.limits import Limits
+from hal.orders import DONE, UNDER_WAY, Decision, refused
 from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.control import Controller
-from hal.sim.limits import set_limits
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics, State, in_body
 from hal.sim.pose_history import PoseHistory
 from hal.vehicle import (
+    ACCEPTED,
     PERIOD,
+    Answer,
+    Attitude,
     Camera,
     Hold,
-    Limits,
     Observation,
-    Order,
-    Position,
     Sensor,
     Setpoint,
     Unavailable,
+    VehicleEvent,
     Velocity,
-    VisionPose,
 )
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
 from worlds.model import Start
@@ -35,18 +37,20 @@ from worlds.model import Start
 STEPS = 6
 """Physics steps in a mission period."""
 CAPABILITIES = frozenset(
-    {"position", "velocity", "yaw", "arm", "takeoff", "land", "return_home", "emergency_stop"}
-    | {"battery", "limits"}
+    {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+    | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
 )
 _RETURN_HEIGHT = 5.0
 """Height above home at which a return flies at least, metres."""
+_AT_HOME = 0.5
+"""A vehicle that stands this near to home has returned, metres."""
 _ARRIVED = 0.05
 """A place this near is reached, metres."""
 _TOUCHDOWN_SPEED = 0.3
 """Descent in the last of a landing, m/s; higher up it is the height above ground per second."""
 
 
-class SimVehicle:
+class SimVehicle(BaseVehicle):
     """One vehicle in the simulator (see :class:`hal.vehicle.Vehicle`).
 
     Its position is that of the point between the skids, right below the centre of mass: z is 0
@@ -65,7 +69,21 @@ class SimVehicle:
         obstacles: ObstacleHeightGrid | None,
     ) -> None:
         """``obstacles`` tells where there is something to touch; without it that is everywhere."""
-        self._name = name
+        super().__init__(
+            name,
+            {
+                "arm": self._decide_arm,
+                "disarm": self._decide_disarm,
+                "takeoff": self._decide_takeoff,
+                "land": self._decide_land,
+                "return_home": self._decide_return_home,
+                "emergency_stop": self._decide_emergency_stop,
+                "reset": self._decide_reset,
+                "trim": self._decide_trim,
+                "lights": self._decide_lights,
+            },
+        )
+        self.profiles = airframe.profiles
         self._airframe = airframe
         self._body = physics.add_body(
             airframe.mass,
@@ -89,7 +107,9 @@ class SimVehicle:
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
-        self._orders = Orders()
+        self._lights = Lights()
+        self._lit_at = 0.0
+        """Since when the lamps show that."""
         self._holding = False
         """Hold is the command in force."""
         self._braking = False
@@ -102,38 +122,41 @@ class SimVehicle:
         """Feed-forward velocity commanded in the period before, m/s."""
         self._leading: Point | None = None
         """The same of this period."""
-        self._observation: Observation | None = None
+        self._min_altitude = -inf
 
     # What is known of it.
 
     @property
-    def name(self) -> str:
-        return self._name
-
-    @property
-    def capabilities(self) -> frozenset[str]:
+    def capabilities(self) -> frozenset[str]:  # type: ignore[override]
         cameras = {f"camera.{name}" for name in self.cameras}
         return CAPABILITIES | cameras | {f"sensor.{name}" for name in self.sensors}
 
-    def observe(self) -> Observation:
-        if self._observation is None:
-            _, attitude, velocity, turning = self._state
-            self._observation = Observation(
-                self._time,
-                self._position(),
-                Point(*velocity),
-                attitude,
-                wrap(yaw_of(attitude)),
-                in_body(turning, attitude),
-                self._battery.charge,
-                self._armed,
-                not self._footing.supported,
-                self._mode,
-                self._home,
-                self._health(),
-                touched=self._footing.touched,
-            )
-        return self._observation
+    def _observed(self) -> Observation:
+        _, attitude, velocity, turning = self._state
+        stopped = self._mode == "stopped"
+        return Observation(
+            self._time,
+            self._position(),
+            Point(*velocity),
+            attitude,
+            wrap(yaw_of(attitude)),
+            in_body(turning, attitude),
+            self._battery.charge,
+            self._armed,
+            not self._footing.supported,
+            self._mode,
+            self._home,
+            self._health(),
+            authority="none" if stopped else "mission",
+            authority_reason="the motors are stopped" if stopped else "",
+            events=tuple(
+                VehicleEvent("vehicle.collision", {"thing": name}) for name in self._footing.touched
+            ),
+        )
+
+    def lamps(self, time: float) -> tuple[Rgb, ...]:
+        """What its four lamps show at a time of the session's clock (see :mod:`hal.lights`)."""
+        return self._lights.lamps(time - self._lit_at)
 
     def _position(self) -> Point:
         x, y, z = self._state[0]
@@ -150,101 +173,110 @@ class SimVehicle:
             problems += ("the vehicle does not stand upright",)
         return problems
 
-    # Verbs.
+    # What carries out each verb, at the beginning of the next period.
 
-    def arm(self) -> Order:
+    def _decide_arm(self) -> Decision:
         health = self._health()
         if not self._armed and health:
-            return _refused("arm", ", ".join(health))
+            return refused(", ".join(health))
         self._armed = True
-        self._observation = None
-        return Order("arm", "done")
+        return DONE
 
-    def disarm(self) -> Order:
+    def _decide_disarm(self) -> Decision:
         if self._armed and not self._footing.supported:
-            return _refused("disarm", "the vehicle is in the air")
+            return refused("the vehicle is in the air")
         if self._armed:
             self._stop_motors("the motors were stopped")
-        return Order("disarm", "done")
+        return DONE
 
-    def takeoff(self, altitude: float) -> Order:
-        if order := self._orders.get("takeoff"):
-            return order
+    def _decide_takeoff(self, altitude: float) -> Decision:
         if self._mode in ("flying", "returning") and not self._footing.supported:
-            return Order("takeoff", "done")
+            return DONE
         health = self._health()
         if health:
-            return _refused("takeoff", ", ".join(health))
+            return refused(", ".join(health))
         x, y, z = self._position()
         ground = z if self._footing.supported else z - self._footing.free_below(self._state)
-        if not 0 < altitude < float("inf"):
-            return _refused("takeoff", f"there is no altitude of {altitude:g} m")
+        if not 0 < altitude < inf:
+            return refused(f"there is no altitude of {altitude:g} m")
         if ground + altitude > self._controller.max_altitude:
             limit = self._controller.max_altitude
-            return _refused("takeoff", f"{ground + altitude:g} m is above the limit of {limit:g} m")
+            return refused(f"{ground + altitude:g} m is above the limit of {limit:g} m")
         self._armed = True
         self._braking = False
         self._target = ground + altitude
         self._controller.fly_to(x, y, self._target)
         self._controller.turn(0.0)
-        return self._begin("takeoff", "taking-off")
+        self._enter("taking-off")
+        return UNDER_WAY
 
-    def land(self) -> Order:
-        if order := self._orders.get("land"):
-            return order
+    def _decide_land(self) -> Decision:
         if self._mode == "landed":
-            return self.disarm()
+            return self._decide_disarm()
         if self._mode == "stopped":
-            return _refused("land", "the motors are stopped")
-        self._brake()
-        self._controller.turn(0.0)
-        return self._begin("land", "landing")
+            return refused("the motors are stopped")
+        if self._mode != "landing":
+            self._brake()
+            self._controller.turn(0.0)
+            self._enter("landing")
+        return UNDER_WAY
 
-    def return_home(self) -> Order:
-        if order := self._orders.get("return_home"):
-            return order
+    def _decide_return_home(self) -> Decision:
         away = horizontal_distance(self._position(), self._home)
-        if self._mode == "landed" and away < 0.5:
-            return Order("return_home", "done")
+        if self._mode == "landed" and away < _AT_HOME:
+            return DONE
         if self._mode in ("landed", "stopped"):
-            return _refused("return_home", "the motors are stopped")
+            return refused("the motors are stopped")
         height = max(self._position().z, self._home.z + _RETURN_HEIGHT)
         self._target = min(height, self._controller.max_altitude)
         self._brake()
         self._controller.turn(0.0)
-        return self._begin("return_home", "returning")
+        self._enter("returning")
+        return UNDER_WAY
 
-    def emergency_stop(self) -> Order:
+    def _decide_emergency_stop(self) -> Decision:
         if self._armed:
             self._stop_motors("the motors were stopped")
-        return Order("emergency_stop", "done")
+        return DONE
 
-    def _begin(self, verb: str, mode: str) -> Order:
-        """Put an order in the place of those under way."""
-        self._enter(mode)
-        return self._orders.begin(verb)
+    def _decide_reset(self) -> Decision:
+        # An emergency ends by itself where it has come to rest, unless it lies on its back.
+        health = self._health()
+        return refused(", ".join(health)) if health or self._mode != "landed" else DONE
+
+    def _decide_trim(self) -> Decision:
+        # The simulated attitude is exact: to take it as level changes nothing.
+        idle = self._mode == "landed" and not self._armed
+        return DONE if idle else refused("the motors are running")
+
+    def _decide_lights(self, lights: Lights) -> Decision:
+        self._lights, self._lit_at = lights, self._time
+        return DONE
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
         self._footing.stir()
         self._holding = False
-        self._observation = None
+        # Take-off, landing and return lead through all heights.
+        self._controller.min_altitude = -inf
 
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
-        self._orders.end(reason)
+        self.orders.end(reason)
         self._enter("landed" if self._footing.supported else "stopped")
 
-    # Commands.
+    # Set-points.
 
-    def command(self, setpoint: Setpoint) -> None:
-        """See the contract. Raises ValueError for numbers that are not finite."""
-        _check(setpoint)
+    def refusal(self) -> str:
+        """See BaseVehicle."""
+        if self._mode == "stopped":
+            return "the motors are stopped"
         grounded = self._footing.supported and self._mode != "flying"
-        if grounded or self._mode in ("landed", "stopped"):
-            return
+        return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
+
+    def fly(self, setpoint: Setpoint) -> None:
+        """Let the controller follow a set-point."""
         if self._mode != "flying":
-            self._orders.end("ended by a command")
             self._enter("flying")
         controller = self._controller
         if isinstance(setpoint, Hold):
@@ -254,9 +286,13 @@ class SimVehicle:
             controller.turn(0.0)
             return
         self._holding = self._braking = False
+        controller.min_altitude = self._min_altitude
         if isinstance(setpoint, Velocity):
             controller.fly_at(setpoint.x, setpoint.y, setpoint.z, setpoint.frame == "heading")
             controller.turn(setpoint.yaw_rate)
+            return
+        if isinstance(setpoint, Attitude):
+            self._tilt(setpoint)
             return
         if setpoint.velocity is None:
             controller.fly_to(*setpoint.xyz)
@@ -266,6 +302,16 @@ class SimVehicle:
             controller.face(setpoint.yaw)
         else:
             controller.turn(setpoint.yaw_rate or 0.0)
+
+    def _tilt(self, setpoint: Attitude) -> None:
+        controller = self._controller
+        roll, pitch, climb, thrust, yaw_rate, unit = setpoint
+        if unit == "share":
+            most = controller.max_tilt
+            roll, pitch = roll * most, pitch * most
+            climb, yaw_rate = climb * controller.max_climb, yaw_rate * controller.max_yaw_rate
+        controller.tilt(roll, pitch, climb, thrust)
+        controller.turn(yaw_rate)
 
     def _follow(self, place: Point, velocity: Point) -> None:
         # Set-points that come every period tell the acceleration too; one more is needed for it.
@@ -282,29 +328,40 @@ class SimVehicle:
         self._controller.fly_at(0.0, 0.0, 0.0)
         self._braking = True
 
-    def configure(self, limits: Limits) -> None:
-        """Change limits in flight. Raises UserError (``bad-limit``)."""
-        set_limits(self._controller, limits)
+    def configure(self, limits: Limits) -> Answer:
+        """See the contract. Raises UserError (``bad-limit``)."""
+        given = limits.given()
+        if given.get("max_tilt", 0.0) > self._airframe.steepest:
+            steepest = self._airframe.steepest
+            return Answer(False, f"'max_tilt' can be {steepest:.2f} rad at most")
+        low = given.get("min_altitude", self._min_altitude)
+        high = given.get("max_altitude", self._controller.max_altitude)
+        if low >= high:
+            return Answer(False, f"the lowest altitude {low:g} m is above the highest {high:g} m")
+        for name, value in given.items():
+            if name == "min_altitude":
+                self._min_altitude = value  # it binds from the next set-point on
+            else:
+                setattr(self._controller, name, value)
+        return ACCEPTED
 
     def camera(self, name: str) -> Camera:
         if name not in self.cameras:
             known = ", ".join(self.cameras) or "none"
-            raise Unavailable(f"the simulated vehicle has no camera '{name}' (it has: {known})")
+            raise Unavailable(f"the vehicle '{self.name}' has no camera '{name}' (it has: {known})")
         return self.cameras[name]
 
     def sensor(self, name: str) -> Sensor:
         if name not in self.sensors:
             known = ", ".join(self.sensors) or "none"
-            raise Unavailable(f"the simulated vehicle has no sensor '{name}' (it has: {known})")
+            raise Unavailable(f"the vehicle '{self.name}' has no sensor '{name}' (it has: {known})")
         return self.sensors[name]
-
-    def send_vision_pose(self, pose: VisionPose) -> None:
-        raise Unavailable("the simulated vehicle takes no vision poses: it knows where it is")
 
     # Time. A period is `plan`; six times `drive`, the engine's step and `sense`; then `update`.
 
     def plan(self) -> None:
-        """Begin a mission period."""
+        """Begin a mission period: decide on what it was told, and choose how to fly."""
+        self.begin_period()
         self._controller.plan(self._state)
         self._footing.plan(self._state)
 
@@ -328,22 +385,24 @@ class SimVehicle:
     def update(self, time: float) -> None:
         """End a mission period: what was reached, and what to do in the next."""
         self._time = time
-        self._observation = None
         self._led, self._leading = self._leading, None
         self._controller.acceleration = (0.0, 0.0, 0.0)
         self._battery.drain(self._thrust / STEPS, PERIOD)
         self._thrust = 0.0
         active = self._is_active()
         self._footing.end_period(self._state, active)
-        if not active:
-            return
+        if active:
+            self._update_mode()
+        self.end_period(self._observed())
+
+    def _update_mode(self) -> None:
         noise = self._noise.next()
         self._controller.noise = (0.0, 0.0, 0.0) if self._footing.supported else noise
         if self._battery.empty and self._armed:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":
             if self._position().z > self._target - _ARRIVED:
-                self._orders.end()
+                self.orders.end()
                 self._enter("flying")
         elif self._mode == "landing":
             self._update_landing()
@@ -382,22 +441,3 @@ class SimVehicle:
         if self._braking and Point(vx, vy, 0.0).norm() < REST:
             self._controller.stay_over(*self._position()[:2])
             self._braking = False
-
-
-def _refused(verb: str, reason: str) -> Order:
-    return Order(verb, "refused", reason)
-
-
-def _check(setpoint: Setpoint) -> None:
-    """Keep what is no number out of the physics, where nothing would ever be a number again."""
-    if isinstance(setpoint, Velocity):
-        total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate
-    elif isinstance(setpoint, Position):
-        # One sum tests all: it is finite only when every part is.
-        total = sum(setpoint.xyz) + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
-        if setpoint.velocity is not None:
-            total += sum(setpoint.velocity)
-    else:
-        return
-    if not isfinite(total):
-        raise ValueError(f"a set-point needs finite numbers: {setpoint}")

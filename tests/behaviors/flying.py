@@ -6,12 +6,13 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import Any
 
-from behaviors import Catalog, Flight, MissionFrame, Pilot, drone_vocabulary
+from behaviors import MissionFrame, Pilot, Registry, drone_vocabulary
 from behaviors.activity import DroneActivity
-from fsm import Behavior, Outcome, compile_mission, read_mission_text
+from behaviors.channel import Channel
+from fsm import BehaviorInfo, Outcome, compile_mission, read_mission_text
 from fsm.engine.instance import Record
 from hal.fake import FakeSession, FakeVehicle
-from hal.vehicle import PERIOD, Setpoint
+from hal.vehicle import PERIOD, Observation, Setpoint
 from vencejo.geometry import Point
 
 
@@ -27,12 +28,18 @@ def airborne(height: float = 3.0) -> tuple[FakeSession, FakeVehicle]:
     return session, vehicle
 
 
+def observed(vehicle: FakeVehicle) -> Observation:
+    """What a vehicle without a session reports after its first period."""
+    vehicle.advance(PERIOD)
+    return vehicle.observe()
+
+
 class Solo:
     """One behaviour on a vehicle, without a graph; ``run`` lets time pass."""
 
     def __init__(
         self,
-        name: str | Behavior,
+        name: str | BehaviorInfo,
         values: Mapping[str, Any] | None = None,
         *,
         progress: Mapping[str, Any] | None = None,
@@ -42,22 +49,22 @@ class Solo:
         self.session, self.vehicle = vehicle or (
             _on_ground(FakeSession()) if grounded else airborne()
         )
-        self.flight = Flight(self.vehicle, MissionFrame(Point(0.0, 0.0, 0.0)), Random(0))
+        self.channel = Channel(self.vehicle, MissionFrame(Point(0.0, 0.0, 0.0)), Random(0))
         self.events: list[tuple[str, Mapping[str, Any]]] = []
         self.live: dict[str, Any] = {}
         self.outcome: Outcome | None = None
-        info = Catalog()[name] if isinstance(name, str) else name
-        self.activity = DroneActivity(info, values or {}, progress, self.flight, self._post)
+        info = Registry()[name] if isinstance(name, str) else name
+        self.activity = DroneActivity(info, values or {}, progress, self.channel, self._post)
 
     def _post(self, name: str, fields: Mapping[str, Any]) -> None:
         self.events.append((name, fields))
 
     def step(self) -> Setpoint | None:
         """One period; the set-point that was commanded (mission frame)."""
-        self.flight.observe()
+        self.channel.observe()
         self.outcome = self.activity.step(self.live)
-        commanded = self.flight.setpoint
-        self.flight.send()
+        commanded = self.channel.setpoint
+        self.channel.send()
         self.session.wait()
         return commanded
 
@@ -79,6 +86,7 @@ class Solo:
 
 
 def _on_ground(session: FakeSession) -> tuple[FakeSession, FakeVehicle]:
+    session.wait()
     return session, session.vehicles["drone"]
 
 
@@ -89,7 +97,7 @@ class Rig:
         self,
         text: str,
         *,
-        own: Mapping[str, Behavior] | None = None,
+        own: Mapping[str, BehaviorInfo] | None = None,
         parameters: Mapping[str, Any] | None = None,
         places: Mapping[str, Point] | None = None,
         session: FakeSession | None = None,
@@ -101,13 +109,15 @@ class Rig:
         graph = compile_mission(
             read_mission_text(text, "test.yaml"), drone_vocabulary(own, places or {})
         )
-        frame = MissionFrame(self.vehicle.observe().position, places)
+        self._step: float | None = self.session.wait()
+        frame = MissionFrame.at_start(self.vehicle.observe(), places)
         self.pilot = Pilot(graph, self.vehicle, parameters, frame=frame)
         self.records: list[Record] = []
 
     def period(self) -> None:
-        self.session.wait()
-        self.pilot.period()
+        step = self.session.wait() if self._step is None else self._step
+        self._step = None
+        self.pilot.period(step)
         self.records += self.pilot.instance.records
         self.pilot.instance.records = []
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, isclose, pi, radians
 from random import Random
@@ -12,12 +13,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from behaviors import Face, Flight, MissionFrame, Waypoint
+from behaviors import Face, Flight, MissionFrame, NotInControl, Waypoint
+from behaviors.channel import Channel
 from fsm.values.functions import EvaluationError
 from fsm.values.types import ANY, AREA, HEADING, POINT, ROUTE
+from hal import Lights, Limits
 from hal.fake import FakeVehicle
-from hal.vehicle import Frame, Hold, Intrinsics, Position, Velocity
-from tests.behaviors.flying import airborne
+from hal.vehicle import (
+    ACCEPTED,
+    Attitude,
+    Frame,
+    Hold,
+    Intrinsics,
+    Position,
+    Reading,
+    Velocity,
+)
+from tests.behaviors.flying import airborne, observed
 from vencejo.geometry import EARTH_RADIUS, Point, distance
 
 coordinate = st.floats(-1e4, 1e4)
@@ -32,7 +44,7 @@ START = Point(1.0, 2.0, 5.0)
 
 def seen(position: Point = START, yaw: float = pi / 2) -> Any:
     """An observation, mission frame."""
-    return FakeVehicle(at=position, yaw=yaw).observe()
+    return observed(FakeVehicle(at=position, yaw=yaw))
 
 
 @settings(derandomize=True)
@@ -128,24 +140,63 @@ def test_values_become_what_behaviours_use() -> None:
 
 
 def test_the_vehicle_is_observed_in_the_mission_frame_and_commanded_in_the_world_s() -> None:
-    _, vehicle = airborne()
+    session, vehicle = airborne()
     vehicle.position = Point(12.0, -17.0, 4.0)
-    flight = Flight(vehicle, FRAME, Random(0))
-    assert flight.observation.position == (2, 3, 3)
-    assert flight.observation.home == (-10, 20, -1)
-    assert flight.world.position == (12, -17, 4)
+    session.wait()
+    channel = Channel(vehicle, FRAME, Random(0))
+    assert channel.observation.position == (2, 3, 3)
+    assert channel.observation.home == (-10, 20, -1)
+    assert channel.world.position == (12, -17, 4)
     for setpoint, sent in (
         (Position(START, EAST, 0.5), Position(Point(11.0, -18.0, 6.0), EAST, 0.5)),
         (Velocity(1.0, 2.0), Velocity(1.0, 2.0)),
+        (Attitude(0.1, 0.2), Attitude(0.1, 0.2)),
         (Hold(), Hold()),
     ):  # fmt: skip
-        flight.command(setpoint)
-        flight.send()
+        channel.setpoint = setpoint
+        assert channel.send() == ACCEPTED
         assert vehicle.commands[-1] == sent
     vehicle.commands.clear()
-    flight.observe()
-    flight.send()
+    channel.observe()
+    assert channel.send() == ACCEPTED
     assert vehicle.commands == []
+
+
+def test_the_mission_frame_follows_when_the_world_s_origin_jumps() -> None:
+    session, vehicle = airborne()
+    channel = Channel(vehicle, MissionFrame(HOME, {"gate": HOME}), Random(0))
+    before = channel.observation
+    assert channel.jump is None
+    for shift in (Point(3.0, -1.0, 0.5), Point(-1.0, 0.0, 0.0)):
+        vehicle.jump(shift)
+        session.wait()
+        after = channel.observe()
+        assert channel.jump is not None and channel.jump.offset == shift
+        assert distance(after.position, before.position) < 1e-9
+        assert distance(after.home, before.home) < 1e-9
+        assert channel.frame.point("gate", after) == (0, 0, 0)
+    session.wait()
+    channel.observe()
+    assert channel.jump is None
+    assert channel.frame.origin == HOME.plus((2.0, -1.0, 0.5))
+
+
+def test_the_frame_begins_at_home_or_where_the_vehicle_is() -> None:
+    here = seen(START)
+    assert MissionFrame.at_start(here).origin == START
+    stands = here._replace(home=START.plus((0.01, 0.0, 0.0)), flying=False)
+    assert MissionFrame.at_start(stands).origin == stands.home
+    assert MissionFrame.at_start(stands._replace(flying=True)).origin == START
+    assert MissionFrame.at_start(stands._replace(home=HOME)).origin == START
+
+
+def test_limits_count_from_home() -> None:
+    _, vehicle = airborne()
+    channel = Channel(vehicle, MissionFrame(HOME), Random(0))
+    channel.world = channel.world._replace(home=HOME)
+    assert channel.configure(Limits(min_altitude=1.0, max_altitude=4.0, max_speed=2.0)) == ACCEPTED
+    assert (vehicle.limits["min_altitude"], vehicle.limits["max_altitude"]) == (2.0, 5.0)
+    assert vehicle.limits["max_speed"] == 2.0
 
 
 def test_pictures_are_taken_in_the_mission_frame() -> None:
@@ -153,31 +204,109 @@ def test_pictures_are_taken_in_the_mission_frame() -> None:
         np.zeros((1, 1, 3), np.uint8), 7, 1.0, Intrinsics(1, 1, 1, 1, 0, 0),
         Point(12.0, -17.0, 4.0), (0.0, 0.0, 0.0, 1.0),
     )  # fmt: skip
-
-    @dataclass
-    class Camera:
-        picture: Frame | None = None
-
-        def latest(self) -> Frame | None:
-            return self.picture
-
-    camera = Camera()
-
-    class Seeing(FakeVehicle):
-        def camera(self, name: str) -> Camera:
-            return camera
-
-    through = Flight(Seeing(), FRAME, Random(0)).camera("front")
-    assert through.latest() is None
-    camera.picture = picture
+    looked: list[tuple[str, Frame]] = []
+    source = Source()
+    channel = Channel(watching(source), FRAME, Random(0))
+    channel.looked = lambda name, frame: looked.append((name, frame))
+    through = channel.camera("front")
+    assert through.latest() is None and looked == []
+    source.newest = picture
     taken = through.latest()
     assert taken is not None
     assert (taken.position, taken.sequence) == ((2, 3, 3), 7)
+    assert looked == [("front", picture)]
 
 
-def test_events_and_values_need_a_behaviour_at_work() -> None:
-    flight = Flight(FakeVehicle(), FRAME, Random(0))
-    with pytest.raises(RuntimeError):
-        flight.raise_event("a.b", None)
-    with pytest.raises(RuntimeError):
-        flight.publish(None)
+def test_readings_are_told_where_they_become_visible() -> None:
+    measured: list[tuple[str, Reading]] = []
+    source = Source()
+    channel = Channel(watching(source), FRAME, Random(0))
+    channel.measured = lambda name, reading: measured.append((name, reading))
+    through = channel.sensor("down")
+    assert through.latest() is None and measured == []
+    source.newest = Reading(1.0, {"range": 2.5})
+    assert through.latest() == source.newest
+    assert measured == [("down", source.newest)]
+
+
+@dataclass
+class Source:
+    """A camera or a sensor, as a test wants it."""
+
+    newest: Any = None
+
+    def latest(self) -> Any:
+        return self.newest
+
+
+def watching(source: Source) -> FakeVehicle:
+    """A vehicle whose every camera and sensor is this one."""
+
+    class Watching(FakeVehicle):
+        def camera(self, name: str) -> Source:
+            return source
+
+        def sensor(self, name: str) -> Source:
+            return source
+
+    vehicle = Watching()
+    vehicle.advance(0.025)
+    return vehicle
+
+
+# -- the hands of one behaviour -----------------------------------------------------------------
+
+
+def flight(*controls: str) -> tuple[Flight, FakeVehicle]:
+    _, vehicle = airborne()
+    channel = Channel(vehicle, FRAME, Random(0))
+    return Flight(channel, controls, lambda name, record: None, lambda record: None), vehicle
+
+
+MOTION: dict[str, Callable[[Flight], Any]] = {
+    "command": lambda f: f.command(Hold()),
+    "arm": lambda f: f.arm(),
+    "disarm": lambda f: f.disarm(),
+    "takeoff": lambda f: f.takeoff(1.0),
+    "land": lambda f: f.land(),
+    "return_home": lambda f: f.return_home(),
+    "reset": lambda f: f.reset(),
+    "trim": lambda f: f.trim(),
+}
+
+
+@pytest.mark.parametrize("name", MOTION)
+def test_to_command_belongs_to_those_who_control_motion(name: str) -> None:
+    mine, vehicle = flight("motion")
+    vehicle.verbs.clear()
+    MOTION[name](mine)
+    assert vehicle.verbs == ([] if name == "command" else [name])
+    vehicle.verbs.clear()
+    companion, other = flight("lights")
+    other.verbs.clear()
+    with pytest.raises(NotInControl, match="does not control motion"):
+        MOTION[name](companion)
+    assert other.verbs == []
+
+
+def test_lights_belong_to_those_who_control_lights() -> None:
+    mine, vehicle = flight("lights")
+    assert mine.lights(Lights("solid", "red")).verb == "lights"
+    vehicle.verbs.clear()
+    with pytest.raises(NotInControl, match="does not control lights"):
+        flight("motion")[0].lights(Lights("solid", "red"))
+
+
+def test_reading_is_free() -> None:
+    companion, vehicle = flight()
+    assert companion.now == companion.observation.time == vehicle.observe().time
+    assert companion.dt == 0.025 and companion.frame is FRAME
+    assert companion.capabilities == vehicle.capabilities
+    assert 0 <= companion.rng.random() < 1
+
+
+def test_one_that_is_being_stopped_commands_nothing() -> None:
+    mine, _ = flight("motion")
+    mine.stopping = True
+    with pytest.raises(NotInControl, match="being stopped"):
+        mine.command(Hold())

@@ -67,6 +67,7 @@ def test_it_waits_for_the_heading() -> None:
 def test_headings(heading: object, yaw: float) -> None:
     solo = Solo("hover")
     solo.vehicle.yaw = 1.0
+    solo.session.wait()
     values = {"to": Point(0.0, 5.0, 3.0), "heading": heading, "speed": 5.0}
     solo = Solo("goto", values, vehicle=(solo.session, solo.vehicle))
     solo.run(20)

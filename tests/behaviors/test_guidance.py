@@ -12,9 +12,10 @@ from behaviors import Face
 from behaviors.guidance import ACCELERATION, BRAKING, LEASH, STILL, Reference, yaw_towards
 from hal.fake import FakeVehicle
 from hal.vehicle import PERIOD, Observation
+from tests.behaviors.flying import observed
 from vencejo.geometry import Point, distance
 
-SEEN = FakeVehicle().observe()
+SEEN = observed(FakeVehicle())
 coordinate = st.floats(-20, 20)
 points = st.builds(Point, coordinate, coordinate, coordinate)
 component = st.floats(-3, 3)

@@ -15,6 +15,7 @@ from vencejo.geometry import Point, distance
 def test_it_stays_and_never_ends() -> None:
     solo = Solo("hover")
     solo.vehicle.yaw = 1.0
+    solo.session.wait()
     solo = Solo("hover", vehicle=(solo.session, solo.vehicle))
     assert solo.run(60) is None
     assert solo.vehicle.position == pytest.approx((0, 0, 3))
@@ -23,8 +24,8 @@ def test_it_stays_and_never_ends() -> None:
 
 def test_it_brakes_gently_along_its_way_and_stays_where_that_ends() -> None:
     session, vehicle = airborne()
-    vehicle.command(Velocity(x=2.0))
     for _ in range(40):
+        vehicle.command(Velocity(x=2.0))
         session.wait()
     began = vehicle.position
     solo = Solo("hover", vehicle=(session, vehicle))

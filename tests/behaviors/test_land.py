@@ -36,7 +36,7 @@ def test_a_refusal_and_a_landing_without_end_fail() -> None:
     assert solo.time == pytest.approx(4.0 + 1.5, abs=0.2)
 
     pair = airborne()
-    pair[1].refusal = "not now"
+    pair[1].refuse_next = "not now"
     solo = Solo("land", vehicle=pair)
     solo.run(1)
     assert solo.outcome and solo.outcome.fields == {"reason": "land refused: not now"}

@@ -12,9 +12,9 @@ from behaviors import (
     Area,
     Behavior,
     BehaviorParams,
-    Catalog,
     Heading,
     Point,
+    Registry,
     Route,
     describe,
     live,
@@ -161,9 +161,10 @@ def test_a_behaviour_is_described() -> None:
 
 
 def test_all_shipped_behaviours_say_what_they_are_for() -> None:
-    catalog = Catalog()
-    assert list(catalog) == ["goto", "hover", "land", "move", "return_home", "route", "takeoff"]
-    assert len(catalog) == 7
+    catalog = Registry()
+    names = ["goto", "hover", "land", "move", "reset", "return_home", "route", "takeoff", "trim"]
+    assert list(catalog) == names
+    assert len(catalog) == 9
     for name, info in catalog.items():
         assert info.help, name
         for parameter in info.parameters.values():

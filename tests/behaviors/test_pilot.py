@@ -242,8 +242,9 @@ def test_an_unhandled_failure_lands() -> None:
 def test_a_refused_landing_is_asked_for_again_and_again() -> None:
     rig = Rig(mission("{after: {1 s: land}}"))
     rig.until_in("fly")
-    rig.vehicle.refusal = "not now"
+    rig.vehicle.refuse_next = "not now"
     rig.pilot.land_now()
+    rig.period()
     assert rig.pilot.landing and rig.pilot.landing.state == "refused"
     asked = rig.vehicle.verbs.count("land")
     rig.run(0.9)
@@ -448,7 +449,7 @@ def test_points_count_from_where_the_mission_began() -> None:
     )
     rig.until_in("idle")
     assert rig.vehicle.position == pytest.approx((12, 5, 6), abs=0.2)
-    assert rig.pilot.flight.observation.position == pytest.approx((2, 0, 4), abs=0.2)
+    assert rig.pilot.channel.observation.position == pytest.approx((2, 0, 4), abs=0.2)
 
 
 def test_the_same_flight_twice_leaves_the_same_records() -> None:

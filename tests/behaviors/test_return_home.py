@@ -21,7 +21,7 @@ def test_it_flies_home_and_lands_there() -> None:
 
 def test_a_refusal_and_a_return_without_end_fail() -> None:
     pair = airborne()
-    pair[1].refusal = "no home position"
+    pair[1].refuse_next = "no home position"
     solo = Solo("return_home", vehicle=pair)
     solo.run(1)
     assert solo.outcome

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from behaviors.activity import DroneActivity
-from behaviors.saving import resume_flight, save_flight
+from behaviors.pilot import resume_flight, save_flight
 from fsm.values.packing import pack, unpack
 from tests.behaviors.flying import Rig, Solo
 from vencejo.errors import UserError
@@ -98,14 +98,16 @@ def test_each_behaviour_goes_on_where_it_was(name: str, values: Any, grounded: b
             if number == period:
                 saved = json.loads(json.dumps(pack(solo.activity.saved()), allow_nan=False))
                 solo.activity = DroneActivity.resumed(
-                    solo.activity.info, unpack(saved), solo.flight, solo._post
+                    solo.activity.info, unpack(saved), solo.channel, solo._post
                 )
         return solo.word, solo.vehicle.position, solo.vehicle.yaw, number, len(solo.events)
 
     whole = fly(-1)
     for period in range(0, whole[3], 3):
         word, place, yaw, periods, events = fly(period)
-        assert (word, periods, events) == (whole[0], whole[3], whole[4]), period
+        assert (word, events) == (whole[0], whole[4]), period
+        # An order that is given again after it was done is done in the period after that.
+        assert 0 <= periods - whole[3] <= 1
         assert distance(place, whole[1]) < 1e-6 and abs(yaw - whole[2]) < 1e-6
 
 
@@ -148,11 +150,11 @@ def test_a_mission_that_ended_in_the_air_is_still_brought_down() -> None:
 
 def test_draws_go_on() -> None:
     rig = Rig(HOVER)
-    rig.pilot.flight.rng.random()
+    rig.pilot.channel.rng.random()
     saved = save_flight(rig.pilot)
-    expected = rig.pilot.flight.rng.random()
+    expected = rig.pilot.channel.rng.random()
     resumed = resume_flight(rig.pilot.instance.graph, rig.vehicle, saved)
-    assert resumed.flight.rng.random() == expected
+    assert resumed.channel.rng.random() == expected
 
 
 @pytest.mark.parametrize("part", ["pilot", "running"])

@@ -6,8 +6,9 @@ import pytest
 
 from behaviors.watch import RECOVERED, Thresholds, Watch
 from hal.fake import FakeVehicle
+from tests.behaviors.flying import observed
 
-SEEN = FakeVehicle().observe()
+SEEN = observed(FakeVehicle())
 
 
 def charges(*levels: float, watch: Watch | None = None) -> list[list[str]]:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from behaviors import Catalog
-from cli.missions import SHIPPED
+from behaviors import Registry
+from runner.missions import SHIPPED
 from tests.cli.run_cli import run_cli
 from worlds import world_names
 
@@ -86,7 +86,7 @@ def test_a_name_too_long_for_a_file_is_no_mission() -> None:
 
 def test_behaviors_are_listed_and_explained() -> None:
     out = run_cli("behaviors").out
-    for name in Catalog():
+    for name in Registry():
         assert name in out
         explained = run_cli("behaviors", name)
         assert explained.code == 0

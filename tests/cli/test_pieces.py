@@ -1,57 +1,18 @@
-"""Pacing, the map, the picture and the recorder, each by itself."""
+"""Signals, the map, the notes and the plot of a run, each by itself."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
-from cli.pace import Pace
-from cli.picture import draw, read_track
-from cli.recorder import new_folder
+from cli.flight_plot import draw, stretches
 from cli.signals import Interrupts
 from cli.sketch import Sketch
 from cli.view import clock, note
+from runner import read_run
 from tests.cli.run_cli import run_cli
 from vencejo import UserError
-
-
-class Wall:
-    """A clock that only sleeping moves."""
-
-    def __init__(self) -> None:
-        self.now = 100.0
-        self.naps: list[float] = []
-
-    def sleep(self, seconds: float) -> None:
-        self.naps.append(seconds)
-        self.now += seconds
-
-
-@pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
-def test_pace_keeps_the_factor(factor: float) -> None:
-    wall = Wall()
-    pace = Pace(factor, lambda: wall.now, wall.sleep)
-    for period in range(1, 201):
-        pace.wait(period * 0.025)
-    assert wall.now - 100.0 == pytest.approx((5.0 - 0.025) / factor)
-
-
-def test_max_never_sleeps() -> None:
-    wall = Wall()
-    pace = Pace(None, lambda: wall.now, wall.sleep)
-    pace.wait(0.0)
-    pace.wait(1000.0)
-    assert wall.naps == []
-
-
-def test_an_interrupt_ends_a_long_wait() -> None:
-    wall = Wall()
-    pace = Pace(0.001, lambda: wall.now, wall.sleep)
-    pace.wait(0.0)
-    pace.wait(1.0, lambda: len(wall.naps) >= 3)
-    assert len(wall.naps) == 3
 
 
 def test_interrupts_count_and_the_third_stops_the_program() -> None:
@@ -101,17 +62,6 @@ def test_notes_are_for_people() -> None:
     assert note("event", failed) == "up failed: too heavy"
 
 
-def test_folders_of_one_name_are_numbered(tmp_path: Path) -> None:
-    names = [new_folder(tmp_path, "20260101-000000", "a").name for _ in range(3)]
-    assert names == ["20260101-000000-a", "20260101-000000-a-2", "20260101-000000-a-3"]
-
-
-def test_a_runs_dir_that_cannot_be_is_a_fault(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match="cannot make a run folder"):
-        new_folder(tmp_path / "file", "now", "a")
-
-
 def test_a_run_has_a_picture(hop: str) -> None:
     assert run_cli("run", hop).code == 0
     (folder,) = Path("runs").iterdir()
@@ -133,15 +83,21 @@ def test_a_killed_run_can_be_drawn(hop: str, undrawn: None) -> None:
 def test_states_are_stretches_of_the_track(hop: str, undrawn: None) -> None:
     run_cli("run", hop)
     (folder,) = Path("runs").iterdir()
-    header, stretches = read_track(folder)
-    assert header["mission"] == "hop"
-    assert [stretch.state for stretch in stretches] == ["takeoff", "land"]
+    run = read_run(folder)
+    ((takeoff, land),) = stretches(run)
+    assert (takeoff.state, land.state) == ("takeoff", "land")
+    # The second begins where the first ends, so that the path has no gap.
+    assert land.samples[0] == takeoff.samples[-1]
+    flown = [sample for sample in run.telemetry["drone"] if sample.states]
+    assert [*takeoff.samples, *land.samples[1:]] == flown
 
 
-def test_what_is_no_run_cannot_be_drawn(tmp_path: Path) -> None:
+def test_what_is_no_run_cannot_be_drawn(hop: str, undrawn: None, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="is no run folder"):
         draw(tmp_path)
-    (tmp_path / "events.jsonl").write_text(json.dumps({"mission": "x"}) + "\n")
-    (tmp_path / "telemetry.csv").write_text("t,vehicle,x,y,z,state\n")
+    run_cli("run", hop)
+    (folder,) = Path("runs").iterdir()
+    columns, _, _ = (folder / "telemetry.csv").read_text().partition("\n")
+    (folder / "telemetry.csv").write_text(columns + "\n")
     with pytest.raises(UserError, match="no telemetry"):
-        draw(tmp_path)
+        draw(folder)

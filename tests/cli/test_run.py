@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.recorder import TELEMETRY_COLUMNS
+from runner.run_folder import TELEMETRY_COLUMNS
 from tests.cli.run_cli import run_cli
 
 Write = Callable[[str, str], str]

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from cli.missions import SHIPPED, find
-from cli.prepare import prepare
 from fsm.drawing import draw
+from runner.missions import SHIPPED, find
+from runner.preparation import prepare
 from tests.cli.run_cli import run_cli
 from tests.fsm.drawing.rules import broken_rules
 

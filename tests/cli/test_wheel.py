@@ -27,7 +27,7 @@ def test_a_wheel_flies_missions_by_name_elsewhere(tmp_path: Path) -> None:
     run(*pip, "wheel", "--no-deps", "--wheel-dir", tmp_path, ROOT, cwd=tmp_path)
     (wheel,) = tmp_path.glob("vencejo-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert "cli/shipped/missions/first_flight.yaml" in names
+    assert "runner/shipped/missions/first_flight.yaml" in names
     assert "worlds/files/yard.yaml" in names
     assert not [name for name in names if name.startswith(("tests", "bench", "docs"))]
 

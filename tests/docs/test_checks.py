@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("vencejo", "fsm", "behaviors", "worlds", "hal", "cli")
+PACKAGES = ("vencejo", "fsm", "behaviors", "worlds", "hal", "runner", "cli")
 REPORTERS = {"UserError", "VehicleError", "Fault", "Misfit", "fail", "warn"}
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+import runpy
 import shlex
 from pathlib import Path
 
 import pytest
 
-from cli.testing import fly_mission
+from runner.testing import fly_mission
 from tests.cli.run_cli import run_cli
 
 ROOT = Path(__file__).parents[2]
@@ -45,6 +46,8 @@ def _run_commands(text: str) -> None:
         if command and command[0] == "drone-cli":
             result = run_cli(*command[1:])
             assert result.code == 0, f"{line}\n{result.err}"
+        elif command and command[0] == "python" and Path(command[-1]).exists():
+            runpy.run_path(command[-1])
 
 
 def test_every_link_leads_somewhere() -> None:

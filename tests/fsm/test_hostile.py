@@ -1,4 +1,4 @@
-"""What means harm is refused, soon and clearly; what is only mangled flies or is refused."""
+"""Malicious missions are refused, soon and clearly; mangled ones fly or are refused."""
 
 from __future__ import annotations
 

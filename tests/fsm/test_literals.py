@@ -1,5 +1,5 @@
 # ruff: noqa: E501  (tables keep their lines)
-"""What a person may write in a place of each type, and where exactly it is wrong."""
+"""The values that places of each type take, and the exact place of each mistake."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fsm import Behavior, Graph, Parameter, Vocabulary, compile_mission, read_mission
+from fsm import BehaviorInfo, Graph, Parameter, Vocabulary, compile_mission, read_mission
 from fsm.host import Function
 from fsm.values.types import BOOL, TEXT, MapOf, Number
 from tests.fsm.toy import Run
@@ -31,14 +31,14 @@ TAG = {"visible": BOOL, "count": NUMBER, "x": NUMBER, "y": NUMBER, "distance": M
 MOTION = {"forward": SPEEDS, "left": SPEEDS, "up": SPEEDS, "yaw_rate": Number(TURN_RATE)}
 HOVER = {"target": TEXT}
 BEHAVIORS = (
-    Behavior("ground_sensors", publishes=GROUND, blank=SimpleNamespace(light=128, bumper=False)),
-    Behavior("detect_tags", parameters=_parameters(camera=TEXT), publishes=TAG,
+    BehaviorInfo("ground_sensors", publishes=GROUND, blank=SimpleNamespace(light=128, bumper=False)),
+    BehaviorInfo("detect_tags", parameters=_parameters(camera=TEXT), publishes=TAG,
              blank=SimpleNamespace(visible=False, count=0, x=0.0, y=0.0, distance=0.0, oriented=False)),
-    Behavior("move", parameters=_parameters(**MOTION), controls=("motion",)),
-    Behavior("wheels", parameters=_parameters(left=NUMBER, right=NUMBER), controls=("motion",)),
-    Behavior("hover_over", parameters=_parameters(**HOVER), controls=("motion",)),
-    Behavior("takeoff", parameters=_parameters(altitude=METRES), outcomes={"done": {}}, controls=("motion",)),
-    Behavior("land", outcomes={"done": {}}, controls=("motion",), ends_landed=True),
+    BehaviorInfo("move", parameters=_parameters(**MOTION), controls=("motion",)),
+    BehaviorInfo("wheels", parameters=_parameters(left=NUMBER, right=NUMBER), controls=("motion",)),
+    BehaviorInfo("hover_over", parameters=_parameters(**HOVER), controls=("motion",)),
+    BehaviorInfo("takeoff", parameters=_parameters(altitude=METRES), outcomes={"done": {}}, controls=("motion",)),
+    BehaviorInfo("land", outcomes={"done": {}}, controls=("motion",), ends_landed=True),
 )  # fmt: skip
 LEDS = Function("leds", parameters={"color": Parameter("color", TEXT, required=True),
                                     "rate": Parameter("rate", Number(FREQUENCY))})  # fmt: skip
@@ -82,7 +82,7 @@ class Robot(Run):
         return self.instance.paths()
 
     def commanded(self) -> dict[str, float]:
-        """What the last behaviour was started with."""
+        """The parameters that the last behaviour was started with."""
         return {n: round(v, 6) for n, v in self.activities[-1].parameters.items() if v is not None}
 
     def path(self, periods: int) -> list[str]:

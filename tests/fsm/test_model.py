@@ -127,3 +127,22 @@ def test_states_and_transitions_are_those_of_transitions() -> None:
         ("a", "b"), ("a", ""), ("b", "end"), ("b.inner", "b.other"),
     ]  # fmt: skip
     assert graph.by_path["end"].final
+
+
+def test_entry_and_exit_callbacks_of_a_microstep_share_their_data() -> None:
+    run = Run(TEXT)
+    told: list[tuple[str, EventData]] = []
+    for node in run.graph.nodes:
+        node.add_callback("enter", lambda data, path=node.path: told.append((path, data)))
+        node.add_callback("exit", lambda data, path=node.path: told.append((path, data)))
+    run.run()
+    run.instance.trigger("word.said", word="go")
+    run.instance.stop()
+    steps = [["", "a"], ["a", "b", "b.inner"], ["b.inner", "b", ""]]
+    assert [path for path, _ in told] == [path for step in steps for path in step]
+    each = [data for _, data in told]
+    assert [data is each[0] for data in each] == [True] * 2 + [False] * 6
+    assert [data is each[2] for data in each] == [False] * 2 + [True] * 3 + [False] * 3
+    assert [data is each[5] for data in each] == [False] * 5 + [True] * 3
+    assert each[2].kwargs == {"word": "go"}
+    assert each[5].kwargs == {}

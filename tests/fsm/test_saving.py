@@ -305,8 +305,22 @@ def test_another_mission_is_refused_by_name() -> None:
     assert error.args == ("'round' was saved, not this 'other'",)
 
 
-def test_another_form_is_refused() -> None:
-    assert refusal(ROUND, {**saved_round(), "version": 99}).code == "other-version"
+@pytest.mark.parametrize(
+    ("version", "by"),
+    [(1, "an earlier version"), (99, "another version"), (None, "another version")],
+)
+def test_another_form_is_refused(version: Any, by: str) -> None:
+    error = refusal(ROUND, {**saved_round(), "version": version})
+    assert error.code == "other-version"
+    assert error.args == (
+        f"the mission was saved by {by} of vencejo, in form {version}; this one reads form 2",
+    )
+    assert error.faults[0].hint == (
+        "go on with the version that saved it, or start the mission anew"
+    )
+
+
+def test_what_is_no_save_is_refused() -> None:
     assert refusal(ROUND, {"format": "x"}).code == "not-a-save"
 
 
@@ -438,7 +452,37 @@ states:
     run.instance.suspend()
     restored = restore(run.graph, run, save(run.instance))
     assert restored.suspended_at == run.instance.suspended_at is not None
-    assert [(sent.due, sent.to) for sent in restored._delayed] == [
-        (sent.due, sent.to) for sent in run.instance._delayed
+    assert [(sent.due, sent.to) for sent in restored.state.delayed] == [
+        (sent.due, sent.to) for sent in run.instance.state.delayed
     ]
-    assert restored._delayed[0].to == "cat"
+    assert restored.state.delayed[0].to == "cat"
+
+
+def test_a_restored_run_knows_its_active_states() -> None:
+    mission = """
+states:
+  both:
+    type: parallel
+    on: {operator.abort: end}
+    states:
+      l: {states: {a: {on: {word.said: b}}, b: {on: {link.lost: a}}}}
+      r: {throughout: {log: "${active('both.l.b')}"}}
+  end: {type: final}
+"""
+    run = Run(mission)
+    run.run()
+    run.post("word.said").run()
+    resumed(run).run()
+    assert run.logged() == ["false", "true", "true"]
+
+
+def test_only_what_is_active_is_kept_of_states() -> None:
+    run = Run(ROUND, SCRIPT)
+    for number in range(40):
+        run.run(1, battery=0.4 if number % 16 > 6 else 0.9)
+        if number in (13, 25):
+            run.post("turn.back")
+        saved = save(run.instance)
+        for name in ("conditions", "timers", "running", "resumed"):
+            assert set(saved[name]) <= set(saved["configuration"])
+        assert set(saved["finished"]) <= set(saved["configuration"])

@@ -15,7 +15,7 @@ from fsm.schema import mission_schema  # noqa: E402
 from tests.fsm.test_faults import CASES, SHIPPED  # noqa: E402
 from tests.fsm.toy import VOCABULARY, faults_of  # noqa: E402
 from vencejo.errors import UserError  # noqa: E402
-from vencejo.nodes import Mapping, Node, Scalar, read_text  # noqa: E402
+from vencejo.nodes import Mapping, Scalar, YamlNode, read_text  # noqa: E402
 from vencejo.units import parse_number  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
@@ -24,7 +24,7 @@ DRONE = mission_schema(drone_vocabulary())
 TOY = mission_schema(VOCABULARY)
 
 
-def plain(node: Node) -> Any:
+def plain(node: YamlNode) -> Any:
     """A node as an editor sees it, by YAML 1.2."""
     if isinstance(node, Mapping):
         return {key.text: plain(value) for key, value in node}

@@ -41,7 +41,7 @@ def document_run(body: str) -> Run:
 
 
 def faults(body: str) -> list[str]:
-    """What is wrong with a document that begins with HEAD in its first line."""
+    """The faults of a document that begins with HEAD in its first line."""
     with pytest.raises(UserError) as caught:
         load_document(parse_document(f"{HEAD}\n{body}</scxml>", "c.scxml"), "c")
     return [f"{fault.where}: {fault.code}" for fault in caught.value.faults]
@@ -255,6 +255,15 @@ def test_a_send_without_rest_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None
     graph = load_document(parse_document(f"{HEAD}{body}</scxml>", "c"), "c")
     with pytest.raises(RuntimeError, match="coming to rest"):
         advance(Instance(graph, Run("", graph=graph)), 0.0)
+
+
+def test_actions_of_a_default_entry_run_at_the_start_too() -> None:
+    body = (
+        '<state id="a"><onentry><log expr="1"/></onentry>'
+        '<initial><transition target="b"><log expr="2"/></transition></initial>'
+        '<state id="b"><onentry><log expr="3"/></onentry></state></state>'
+    )
+    assert document_run(body).logged() == ["1", "2", "3"]
 
 
 def test_what_may_be_triggered_sees_the_event_asked_for() -> None:

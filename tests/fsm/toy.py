@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from fsm import (
-    Behavior,
+    BehaviorInfo,
     Graph,
     Instance,
     Outcome,
@@ -24,6 +24,8 @@ from vencejo.units import ANGLE, LENGTH, RATIO, SPEED, TIME
 
 PERIOD = 0.025
 ORIGIN = Point(0.0, 0.0, 0.0)
+END = "  end: {type: final}\n"
+"""A state for the end of a mission that needs one."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ def _parameters(*parameters: Parameter) -> dict[str, Parameter]:
 BEHAVIORS = {
     behavior.name: behavior
     for behavior in (
-        Behavior(
+        BehaviorInfo(
             "go",
             parameters=_parameters(
                 Parameter("to", POINT, live=True),
@@ -63,19 +65,19 @@ BEHAVIORS = {
             outcomes={"done": {}, "blocked": {"by": TEXT}},
             controls=("motion",),
         ),
-        Behavior(
+        BehaviorInfo(
             "rise",
             parameters=_parameters(Parameter("height", Number(LENGTH), required=True)),
             outcomes={"done": {}},
             controls=("motion",),
         ),
-        Behavior(
+        BehaviorInfo(
             "fly",
             parameters=_parameters(Parameter("route", ROUTE, required=True)),
             outcomes={"done": {}},
             controls=("motion",),
         ),
-        Behavior(
+        BehaviorInfo(
             "look",
             events={"tag.seen": {"id": Number(), "at": POINT}},
             publishes={
@@ -85,9 +87,9 @@ BEHAVIORS = {
             },
             blank=SimpleNamespace(visible=False, x=0.0, tags=[]),
         ),
-        Behavior("wait", outcomes={"done": {}}),
-        Behavior("blink", controls=("lights",)),
-        Behavior("settle", outcomes={"done": {}}, controls=("motion",), ends_landed=True),
+        BehaviorInfo("wait", outcomes={"done": {}}),
+        BehaviorInfo("blink", controls=("lights",)),
+        BehaviorInfo("settle", outcomes={"done": {}}, controls=("motion",), ends_landed=True),
     )
 }
 VOCABULARY = Vocabulary(
@@ -110,7 +112,7 @@ def graph_of(text: str, vocabulary: Vocabulary = VOCABULARY) -> Graph:
 
 
 def faults_of(text: str) -> list[Fault]:
-    """What is wrong with a mission, warnings included."""
+    """The faults of a mission, warnings included."""
     try:
         return list(graph_of(text).warnings)
     except UserError as error:
@@ -180,7 +182,7 @@ class Run:
 
     def begin(
         self,
-        behavior: Behavior,
+        behavior: BehaviorInfo,
         state: str,
         parameters: Mapping[str, Any],
         progress: Mapping[str, Any] | None,
@@ -193,7 +195,7 @@ class Run:
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
         self.log.append(f"send {event} to {to}: {dict(fields)}")
 
-    def resume(self, behavior: Behavior, state: str, saved: Mapping[str, Any]) -> ToyActivity:
+    def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> ToyActivity:
         self.log.append(f"resume {state}")
         resumed = {"steps": saved["steps"]}
         activity = ToyActivity(state, saved["with"], resumed, self.log, self.script)
@@ -222,7 +224,7 @@ class Run:
         return [_line(what, fields) for what, fields in records]
 
     def logged(self) -> list[str]:
-        """What the `log` actions said since the last call."""
+        """The texts of the `log` actions since the last call."""
         return [line.removeprefix("log ") for line in self.take() if line.startswith("log ")]
 
     def value(self, name: str) -> Any:
@@ -240,10 +242,8 @@ def _line(what: str, fields: Mapping[str, Any]) -> str:
             return f"event {owner}{fields['name']}{'' if fields['taken'] else ' unheard'}"
         case "transition":
             return f"{fields['from'] or '/'} -> {', '.join(fields['to'])} by {fields['by']}"
-        case "enter" | "exit" | "stop":
+        case "enter" | "exit" | "start" | "stop":
             return f"{what} {fields['state'] or '/'}"
-        case "start":
-            return f"start {fields['state'] or '/'}"
         case "set" | "append":
             return f"{what} {fields['name']} {fields['value']}"
         case _:

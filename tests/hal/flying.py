@@ -5,18 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from hal.orders import Order
 from hal.sim import SimSession, open_session
-from hal.vehicle import PERIOD, Observation, Options, Order, Position, Session, Vehicle
+from hal.vehicle import PERIOD, Observation, Options, Position, Session, Setpoint, Vehicle
 from vencejo.geometry import Point
 
 HIGH = Point(0.0, 0.0, 5.0)
+LONG = 1000.0
+"""Seconds for which a set-point stays valid that a test gives once."""
 
 
-def wait(session: Session, seconds: float) -> list[Observation]:
-    """Let time pass; what the first vehicle reported in each period."""
+def wait(session: Session, seconds: float, setpoint: Setpoint | None = None) -> list[Observation]:
+    """Let time pass, with a set-point given anew in each period when there is one; what the first
+    vehicle reported.
+    """
     vehicle = only(session)
     seen = []
     for _ in range(round(seconds / PERIOD)):
+        if setpoint is not None:
+            vehicle.command(setpoint)
         session.wait()
         seen.append(vehicle.observe())
     return seen
@@ -35,6 +42,13 @@ def finish(session: Session, order: Order, seconds: float) -> None:
     """Let time pass until an order is done."""
     wait_until(session, lambda: order.ended, seconds)
     assert order.state == "done", order
+
+
+def decided(session: Session, order: Order) -> Order:
+    """The order after the ``wait()`` that decides on it."""
+    assert order.state == "sent"
+    session.wait()
+    return order
 
 
 def only(session: Session) -> Vehicle:
@@ -57,6 +71,5 @@ def hovering(
     with open_session(Options(world=world, settings=settings)) as session:
         assert isinstance(session, SimSession)
         vehicle = take_off(session, at.z)
-        vehicle.command(Position(at, yaw=0.0))
-        wait(session, 4 + 0.5 * Point(at.x, at.y, 0.0).norm())
+        wait(session, 4 + 0.5 * Point(at.x, at.y, 0.0).norm(), Position(at, yaw=0.0))
         yield session, vehicle

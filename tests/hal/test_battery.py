@@ -12,7 +12,7 @@ from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.physics import GRAVITY
 from hal.vehicle import Options, Velocity
-from tests.hal.flying import hovering, only, take_off, wait, wait_until
+from tests.hal.flying import decided, hovering, only, take_off, wait, wait_until
 
 AIRFRAME = Airframe()
 HOVER = AIRFRAME.mass * GRAVITY
@@ -53,9 +53,8 @@ def test_an_empty_battery_stops_the_motors(tmp_path: Path) -> None:
     with open_session(Options(world=str(world))) as session:
         vehicle = take_off(session, 3)
         assert vehicle.observe().battery > 0
-        order = vehicle.return_home()
-        vehicle.command(Velocity())
-        landing = vehicle.land() if order.ended else order
+        landing = vehicle.land()
+        session.wait()
         vehicle.takeoff(3)
         wait_until(session, lambda: not vehicle.observe().armed, 8)
         seen = vehicle.observe()
@@ -63,7 +62,8 @@ def test_an_empty_battery_stops_the_motors(tmp_path: Path) -> None:
         assert "the battery is empty" in seen.health
         assert landing.ended
         wait_until(session, lambda: vehicle.observe().mode == "landed", 5)
-        for order in (vehicle.arm(), vehicle.takeoff(1)):
+        for verb in (vehicle.arm, lambda: vehicle.takeoff(1)):
+            order = decided(session, verb())
             assert order.state == "refused" and "the battery is empty" in order.reason
 
 

@@ -1,39 +1,88 @@
-"""One contract for every backend that needs no radio."""
+"""One contract for every backend that needs no radio, the example of docs/backends.md included.
+
+What a backend's vehicle does not have among its capabilities is not asked of it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from math import nan, pi
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hal import Lights, Limits, Order
 from hal.fake import FakeSession
+from hal.orders import ANSWER_WITHIN, DONE_WITHIN
 from hal.sim import open_session
 from hal.vehicle import (
+    ACCEPTED,
     PERIOD,
+    VALIDITY,
+    Attitude,
     Hold,
-    Limits,
     Options,
-    Order,
     Position,
     Session,
+    Setpoint,
     Unavailable,
     Vehicle,
     Velocity,
     VisionPose,
 )
-from tests.hal.flying import finish, only, take_off, wait, wait_until
+from tests.hal.flying import decided, finish, only, take_off, wait, wait_until
 from vencejo.errors import UserError
 from vencejo.geometry import Point, distance, wrap
 
 ORIGIN = Point(0.0, 0.0, 0.0)
+GUIDE = Path(__file__).parents[2] / "docs" / "backends.md"
+VERBS = ["arm", "disarm", "takeoff", "land", "return_home", "emergency_stop", "reset", "trim"]
 
 
-@pytest.fixture(params=["fake", "sim"])
-def session(request: pytest.FixtureRequest) -> Iterator[Session]:
-    opened = FakeSession() if request.param == "fake" else open_session(Options())
-    with opened as session:
+def example_session(options: Options) -> Session:
+    """The backend that docs/backends.md shows."""
+    found = re.search(r"^```python\n# file: \S+\n(.*?)^```", GUIDE.read_text("utf-8"), re.M | re.S)
+    assert found is not None
+    written: dict[str, Any] = {"__name__": "example"}
+    exec(compile(found[1], str(GUIDE), "exec"), written)
+    opened: Session = written["open_session"](options)
+    return opened
+
+
+OPENERS: dict[str, Callable[[Options], Session]] = {
+    "fake": lambda options: FakeSession(options.vehicles, options=options),
+    "sim": open_session,
+    "example": example_session,
+}
+
+
+@pytest.fixture(params=OPENERS)
+def backend(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def fresh(backend: str) -> Iterator[Session]:
+    """A session that has not waited yet."""
+    with OPENERS[backend](Options()) as session:
         yield session
+
+
+@pytest.fixture
+def session(fresh: Session) -> Session:
+    fresh.wait()
+    return fresh
+
+
+def needs(session: Session, *capabilities: str) -> Vehicle:
+    """The vehicle, which must have these capabilities for the test to mean anything."""
+    vehicle = only(session)
+    for capability in capabilities:
+        if capability not in vehicle.capabilities:
+            pytest.skip(f"this vehicle has no capability '{capability}'")
+    return vehicle
 
 
 def verb(vehicle: Vehicle, name: str) -> Order:
@@ -44,14 +93,53 @@ def near(place: Point, x: float, y: float, z: float, tolerance: float = 0.05) ->
     return distance(place, (x, y, z)) < tolerance
 
 
+# Time, and the start.
+
+
+def test_nothing_is_known_before_the_first_wait(fresh: Session) -> None:
+    with pytest.raises(RuntimeError, match="before the first wait"):
+        only(fresh).observe()
+    fresh.wait()
+    assert only(fresh).observe().time == PERIOD
+
+
+def test_a_wait_returns_the_step_that_it_made(session: Session) -> None:
+    before = only(session).observe().time
+    step = session.wait()
+    assert step == PERIOD
+    assert only(session).observe().time - before == pytest.approx(step)
+
+
+def test_time_counts_periods_without_drift(session: Session) -> None:
+    times = [seen.time for seen in wait(session, 10)]
+    assert times == [count / 40 for count in range(2, 402)]
+
+
+def test_all_vehicles_have_one_clock(backend: str) -> None:
+    with OPENERS[backend](Options(vehicles=("a", "b", "c"))) as session:
+        assert list(session.vehicles) == ["a", "b", "c"]
+        for _ in range(40):
+            session.wait()
+            times = {vehicle.observe().time for vehicle in session.vehicles.values()}
+            assert len(times) == 1
+        homes = [vehicle.observe().home for vehicle in session.vehicles.values()]
+        assert min(distance(homes[0], homes[1]), distance(homes[1], homes[2])) > 0.5
+
+
+def test_the_period_is_a_fortieth_of_a_second() -> None:
+    assert PERIOD == 1 / 40
+
+
 # What is reported.
 
 
 def test_starts_landed_and_disarmed_at_home(session: Session) -> None:
     seen = only(session).observe()
     assert (seen.mode, seen.armed, seen.flying, seen.health) == ("landed", False, False, ())
-    assert (seen.time, seen.battery, seen.link_age) == (0.0, 1.0, 0.0)
-    assert seen.position == seen.home == ORIGIN
+    assert (seen.link_age, seen.link, seen.authority) == (0.0, "alive", "mission")
+    assert (seen.epoch, seen.origin_shift, seen.events) == (0, ORIGIN, ())
+    assert seen.battery == pytest.approx(1.0, abs=1e-4)
+    assert seen.home == ORIGIN and near(seen.position, 0, 0, 0, 0.002)
 
 
 def test_stays_where_it_stands(session: Session) -> None:
@@ -61,17 +149,11 @@ def test_stays_where_it_stands(session: Session) -> None:
     assert not seen.flying and seen.velocity.norm() < 0.01
 
 
-def test_time_counts_periods_without_drift(session: Session) -> None:
-    times = [seen.time for seen in wait(session, 10)]
-    assert times == [count / 40 for count in range(1, 401)]
-
-
 def test_an_observation_never_changes(session: Session) -> None:
     vehicle = take_off(session)
     seen = vehicle.observe()
     copy = seen._replace()
-    vehicle.command(Velocity(x=2.0))
-    wait(session, 1)
+    wait(session, 1, Velocity(x=2.0))
     assert seen == copy != vehicle.observe()
     with pytest.raises(AttributeError):
         seen.time = 3.0  # type: ignore[misc]
@@ -95,48 +177,85 @@ def test_what_is_not_there_is_said_to_be_unavailable(session: Session) -> None:
         vehicle.send_vision_pose(VisionPose(ORIGIN, (0, 0, 0, 1), [0.0] * 21, 0.0))
 
 
-# Verbs.
+@pytest.mark.parametrize("name", VERBS)
+def test_a_verb_it_does_not_have_is_unavailable(session: Session, name: str) -> None:
+    vehicle = only(session)
+    if name in vehicle.capabilities:
+        assert verb(vehicle, name).verb == name
+    else:
+        with pytest.raises(Unavailable, match=name.split("_", maxsplit=1)[0]):
+            verb(vehicle, name)
+
+
+# Orders.
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_an_order_changes_only_inside_wait(session: Session, name: str) -> None:
+    vehicle = needs(session, name)
+    before = vehicle.observe()
+    order = verb(vehicle, name)
+    assert (order.verb, order.state, order.reason, order.ended) == (name, "sent", "", False)
+    assert vehicle.observe() == before
+    session.wait()
+    assert order.state != "sent"
+
+
+@pytest.mark.parametrize("name", ["takeoff", "land"])
+def test_the_same_verb_again_is_the_same_order(session: Session, name: str) -> None:
+    vehicle = only(session) if name == "takeoff" else take_off(session)
+    order = verb(vehicle, name)
+    assert verb(vehicle, name) is order
+    session.wait()
+    assert order.state == "accepted" and verb(vehicle, name) is order
+
+
+@pytest.mark.parametrize("name", ["disarm", "land", "return_home", "emergency_stop"])
+def test_what_is_so_already_is_done_in_the_next_wait(session: Session, name: str) -> None:
+    needs(session, name)
+    for _ in range(2):
+        assert decided(session, verb(only(session), name)).state == "done"
+
+
+def test_every_verb_has_a_time_in_which_it_must_be_done() -> None:
+    assert set(DONE_WITHIN) == {*VERBS, "lights"}
+    assert all(seconds >= ANSWER_WITHIN for seconds in DONE_WITHIN.values())
 
 
 def test_arm_and_disarm_on_the_ground(session: Session) -> None:
-    vehicle = only(session)
+    vehicle = needs(session, "arm", "disarm")
     for _ in range(2):
-        assert vehicle.arm().state == "done"
+        assert decided(session, vehicle.arm()).state == "done"
         assert vehicle.observe().armed
     wait(session, 1)
     assert vehicle.observe().mode == "landed" and near(vehicle.observe().position, 0, 0, 0)
     for _ in range(2):
-        assert vehicle.disarm().state == "done"
+        assert decided(session, vehicle.disarm()).state == "done"
         assert not vehicle.observe().armed
 
 
 def test_takeoff_arms_rises_and_holds(session: Session) -> None:
     vehicle = only(session)
-    order = vehicle.takeoff(2.5)
+    order = decided(session, vehicle.takeoff(2.5))
     assert (order.verb, order.state) == ("takeoff", "accepted")
     assert vehicle.observe().mode == "taking-off" and vehicle.observe().armed
-    assert vehicle.observe().time == 0.0
-    session.wait()
-    assert vehicle.takeoff(2.5) is order
     finish(session, order, 6)
     assert vehicle.observe().mode == "flying" and vehicle.observe().flying
     assert abs(vehicle.observe().position.z - 2.5) < 0.06
     assert all(near(seen.position, 0, 0, 2.5, 0.06) for seen in wait(session, 3))
-    assert vehicle.takeoff(9.0).state == "done"
+    assert decided(session, vehicle.takeoff(9.0)).state == "done"
     assert near(wait(session, 2)[-1].position, 0, 0, 2.5)
 
 
 def test_land_ends_on_the_ground_with_the_motors_off(session: Session) -> None:
     vehicle = take_off(session)
-    order = vehicle.land()
+    order = decided(session, vehicle.land())
     assert order.state == "accepted" and vehicle.observe().mode == "landing"
-    session.wait()
-    assert vehicle.land() is order
     finish(session, order, 15)
     seen = vehicle.observe()
     assert (seen.mode, seen.armed, seen.flying) == ("landed", False, False)
     assert near(seen.position, 0, 0, 0)
-    assert vehicle.land().state == "done"
+    assert decided(session, vehicle.land()).state == "done"
     finish(session, vehicle.takeoff(1), 5)
 
 
@@ -149,17 +268,26 @@ def test_lands_from_any_height(session: Session, height: float) -> None:
 
 def test_lands_out_of_full_speed_without_harm(session: Session) -> None:
     vehicle = take_off(session)
-    vehicle.command(Velocity(x=5.0, y=-2.0))
-    wait(session, 3)
+    wait(session, 3, Velocity(x=5.0, y=-2.0))
     finish(session, vehicle.land(), 15)
     assert vehicle.observe().health == ()
 
 
 def test_a_landing_on_the_ground_disarms(session: Session) -> None:
-    vehicle = only(session)
+    vehicle = needs(session, "arm")
     vehicle.arm()
-    assert vehicle.land().state == "done"
+    assert decided(session, vehicle.land()).state == "done"
     assert not vehicle.observe().armed
+
+
+def test_the_last_of_two_orders_counts(session: Session) -> None:
+    vehicle = only(session)
+    first, second = vehicle.takeoff(2.0), vehicle.land()
+    session.wait()
+    assert (first.state, first.reason) == ("refused", "ended by: land")
+    if not second.ended:
+        finish(session, second, 5)
+    assert second.state == "done" and only(session).observe().mode == "landed"
 
 
 def test_takeoff_ends_a_landing(session: Session) -> None:
@@ -167,7 +295,7 @@ def test_takeoff_ends_a_landing(session: Session) -> None:
     landing = vehicle.land()
     wait(session, 0.8)
     assert vehicle.observe().flying
-    order = vehicle.takeoff(3.5)
+    order = decided(session, vehicle.takeoff(3.5))
     assert (landing.state, landing.reason) == ("refused", "ended by: takeoff")
     finish(session, order, 6)
     assert near(wait(session, 2)[-1].position, 0, 0, 3.5)
@@ -175,18 +303,17 @@ def test_takeoff_ends_a_landing(session: Session) -> None:
 
 def test_takes_off_again_after_flying_into_the_ground(session: Session) -> None:
     vehicle = take_off(session, 1)
-    vehicle.command(Velocity(z=-1.0))
-    seen = wait(session, 3)[-1]
+    seen = wait(session, 3, Velocity(z=-1.0))[-1]
     assert (seen.mode, seen.flying) == ("flying", False)
     finish(session, vehicle.takeoff(2.0), 6)
     assert near(wait(session, 1)[-1].position, 0, 0, 2)
 
 
 def test_returns_home_and_lands(session: Session) -> None:
+    needs(session, "return_home")
     vehicle = take_off(session, 2)
-    vehicle.command(Position(Point(8.0, -6.0, 2.0)))
-    wait(session, 8)
-    order = vehicle.return_home()
+    wait(session, 8, Position(Point(8.0, -6.0, 2.0)))
+    order = decided(session, vehicle.return_home())
     assert vehicle.return_home() is order and vehicle.observe().mode == "returning"
     highest = 0.0
     for _ in range(1600):
@@ -198,86 +325,106 @@ def test_returns_home_and_lands(session: Session) -> None:
     assert 4.9 < highest < 5.2
     seen = vehicle.observe()
     assert (seen.mode, seen.armed) == ("landed", False) and near(seen.position, 0, 0, 0, 0.1)
-    assert vehicle.return_home().state == "done"
+    assert decided(session, vehicle.return_home()).state == "done"
 
 
 def test_return_home_is_refused_on_the_ground_elsewhere(session: Session) -> None:
+    needs(session, "return_home")
     vehicle = take_off(session)
-    vehicle.command(Position(Point(3.0, 0.0, 3.0)))
-    wait(session, 4)
+    wait(session, 4, Position(Point(3.0, 0.0, 3.0)))
     finish(session, vehicle.land(), 10)
-    assert vehicle.return_home().state == "refused"
+    assert decided(session, vehicle.return_home()).state == "refused"
 
 
 def test_disarm_is_refused_in_the_air(session: Session) -> None:
+    needs(session, "disarm")
     vehicle = take_off(session)
-    order = vehicle.disarm()
+    order = decided(session, vehicle.disarm())
     assert (order.state, order.reason) == ("refused", "the vehicle is in the air")
     assert near(wait(session, 1)[-1].position, 0, 0, 3)
 
 
 def test_emergency_stop_lets_it_fall(session: Session) -> None:
+    needs(session, "emergency_stop")
     vehicle = take_off(session, 6)
-    order = vehicle.emergency_stop()
-    assert order.state == "done" and vehicle.emergency_stop().state == "done"
+    assert decided(session, vehicle.emergency_stop()).state == "done"
+    assert decided(session, vehicle.emergency_stop()).state == "done"
     assert vehicle.observe().mode == "stopped" and not vehicle.observe().armed
-    assert vehicle.takeoff(2).state == "refused"
-    assert vehicle.land().state == "refused"
+    assert decided(session, vehicle.takeoff(2)).state == "refused"
+    assert decided(session, vehicle.land()).state == "refused"
+    assert decided(session, vehicle.reset()).state == "refused"
     wait_until(session, lambda: vehicle.observe().mode == "landed", 5)
     assert not vehicle.observe().flying
+    assert decided(session, vehicle.reset()).state == "done"
 
 
 def test_emergency_stop_ends_what_is_under_way(session: Session) -> None:
-    vehicle = only(session)
+    vehicle = needs(session, "emergency_stop")
     order = vehicle.takeoff(3)
     wait(session, 1)
     vehicle.emergency_stop()
+    session.wait()
     assert (order.state, order.reason) == ("refused", "the motors were stopped")
 
 
-@pytest.mark.parametrize("name", ["disarm", "land", "return_home", "emergency_stop"])
-def test_what_is_so_already_is_done_at_once(session: Session, name: str) -> None:
-    for _ in range(2):
-        assert verb(only(session), name).state == "done"
+def test_trim_is_for_the_ground(session: Session) -> None:
+    vehicle = needs(session, "trim")
+    assert decided(session, vehicle.trim()).state == "done"
+    take_off(session, 1)
+    order = decided(session, vehicle.trim())
+    assert (order.state, order.reason) == ("refused", "the motors are running")
+
+
+def test_lights_can_be_set_anywhere(session: Session) -> None:
+    vehicle = needs(session, "lights")
+    assert decided(session, vehicle.lights(Lights("blink", "red", 2.0))).state == "done"
+    take_off(session, 1)
+    first, second = vehicle.lights(Lights("solid")), vehicle.lights(Lights("off"))
+    session.wait()
+    assert first is not second and first.state == second.state == "done"
 
 
 @pytest.mark.parametrize("altitude", [0.0, -1.0, nan])
 def test_an_altitude_that_is_none_is_refused(session: Session, altitude: float) -> None:
-    assert only(session).takeoff(altitude).state == "refused"
+    assert decided(session, only(session).takeoff(altitude)).state == "refused"
     assert not only(session).observe().armed
 
 
-@pytest.mark.parametrize("name", ["arm", "takeoff", "land", "return_home", "emergency_stop"])
-def test_no_verb_takes_time(session: Session, name: str) -> None:
-    vehicle = take_off(session)
-    before = vehicle.observe()
-    verb(vehicle, name)
-    after = vehicle.observe()
-    assert (after.time, after.position) == (before.time, before.position)
+# Set-points.
 
 
-# Commands.
-
-
-def test_a_command_is_ignored_on_the_ground(session: Session) -> None:
+def test_a_command_is_refused_on_the_ground(session: Session) -> None:
     vehicle = only(session)
-    for prepare in (vehicle.disarm, vehicle.arm):
-        prepare()
-        vehicle.command(Velocity(z=2.0))
+    for name in ({"disarm", "arm"} & vehicle.capabilities) or {"land"}:
+        decided(session, verb(vehicle, name))
+        answer = vehicle.command(Velocity(z=2.0))
+        assert not answer.accepted and "ground" in answer.reason
         seen = wait(session, 1)[-1]
         assert near(seen.position, 0, 0, 0) and seen.mode == "landed"
     order = vehicle.takeoff(2)
-    vehicle.command(Velocity(x=1.0))
+    assert not vehicle.command(Velocity(x=1.0)).accepted
     finish(session, order, 5)
     assert near(vehicle.observe().position, 0, 0, 2, 0.1)
 
 
+@pytest.mark.parametrize(
+    "setpoint", [Velocity(x=nan), Position(Point(0, 0, nan)), Position(ORIGIN, yaw=nan)]
+)
+def test_a_command_needs_finite_numbers(session: Session, setpoint: Setpoint) -> None:
+    vehicle = take_off(session)
+    with pytest.raises(ValueError, match="finite"):
+        vehicle.command(setpoint)
+    assert near(wait(session, 1)[-1].position, 0, 0, 3)
+
+
 @pytest.mark.parametrize("name", ["takeoff", "land", "return_home"])
 def test_a_command_ends_what_is_under_way(session: Session, name: str) -> None:
+    needs(session, name)
     vehicle = only(session) if name == "takeoff" else take_off(session, 4)
     order = verb(vehicle, name)
     wait(session, 0.6)
-    vehicle.command(Hold())
+    assert vehicle.command(Hold()) == ACCEPTED and order.state == "accepted"
+    session.wait()
     assert (order.state, order.reason) == ("refused", "ended by a command")
     assert vehicle.observe().mode == "flying"
     wait(session, 2)
@@ -285,120 +432,170 @@ def test_a_command_ends_what_is_under_way(session: Session, name: str) -> None:
     assert vehicle.observe().flying and abs(wait(session, 1)[-1].position.z - height) < 0.02
 
 
+def test_the_last_word_of_a_period_counts(session: Session) -> None:
+    vehicle = take_off(session)
+    vehicle.command(Velocity(x=5.0))
+    landing = vehicle.land()
+    vehicle.command(Velocity(z=1.0))
+    session.wait()
+    assert (landing.state, landing.reason) == ("refused", "ended by a command")
+    vehicle.command(Velocity(z=1.0))
+    landing = decided(session, vehicle.land())
+    assert landing.state == "accepted" and vehicle.observe().mode == "landing"
+
+
+def test_a_set_point_is_valid_for_a_short_time(session: Session) -> None:
+    vehicle = take_off(session)
+    vehicle.command(Velocity(x=1.0))
+    seen = wait(session, 4)
+    assert seen[-1].velocity.norm() < 0.02
+    assert seen[-1].position.x < 1.0 * VALIDITY + 0.4
+    wait(session, 2, Velocity(x=1.0))
+    vehicle.command(Velocity(x=1.0), valid_for=2.0)
+    assert wait(session, 1.9)[-1].velocity.x > 0.9
+    assert wait(session, 2)[-1].velocity.norm() < 0.02
+
+
 def test_a_velocity_is_in_the_world_frame(session: Session) -> None:
     vehicle = take_off(session)
-    vehicle.command(Position(Point(0.0, 0.0, 3.0), yaw=2.0))
-    wait(session, 3)
-    vehicle.command(Velocity(x=1.0, y=-0.5, z=0.25))
-    seen = wait(session, 3)[-1]
+    wait(session, 3, Position(Point(0.0, 0.0, 3.0), yaw=2.0))
+    seen = wait(session, 3, Velocity(x=1.0, y=-0.5, z=0.25))[-1]
     assert distance(seen.velocity, (1.0, -0.5, 0.25)) < 0.02
     assert abs(seen.yaw - 2.0) < 0.02
+    assert vehicle.observe() == seen
 
 
 def test_forward_with_a_heading_of_90_degrees_is_north(session: Session) -> None:
-    vehicle = take_off(session)
-    vehicle.command(Position(Point(0.0, 0.0, 3.0), yaw=pi / 2))
-    wait(session, 3)
-    vehicle.command(Velocity(x=1.0, frame="heading"))
-    seen = wait(session, 3)[-1]
+    take_off(session)
+    wait(session, 3, Position(Point(0.0, 0.0, 3.0), yaw=pi / 2))
+    seen = wait(session, 3, Velocity(x=1.0, frame="heading"))[-1]
     assert distance(seen.velocity, (0.0, 1.0, 0.0)) < 0.03
-    vehicle.command(Velocity(y=1.0, frame="heading"))
-    assert distance(wait(session, 3)[-1].velocity, (-1.0, 0.0, 0.0)) < 0.03
+    seen = wait(session, 3, Velocity(y=1.0, frame="heading"))[-1]
+    assert distance(seen.velocity, (-1.0, 0.0, 0.0)) < 0.03
 
 
 def test_the_heading_frame_turns_with_the_vehicle(session: Session) -> None:
-    vehicle = take_off(session)
-    vehicle.command(Velocity(x=1.0, frame="heading", yaw_rate=0.5))
-    seen = wait(session, 4)[-1]
-    speed = seen.velocity
-    assert abs(speed.norm() - 1) < 0.1
+    take_off(session)
+    seen = wait(session, 4, Velocity(x=1.0, frame="heading", yaw_rate=0.5))[-1]
+    assert abs(seen.velocity.norm() - 1) < 0.1
     assert 1.5 < seen.yaw < 2.1
-    assert speed.y > 0.7
+    assert seen.velocity.y > 0.7
     assert abs(seen.rates.z - 0.5) < 0.05
-
-
-def test_a_velocity_lasts_until_the_next_command(session: Session) -> None:
-    vehicle = take_off(session)
-    vehicle.command(Velocity(x=1.0))
-    assert wait(session, 6)[-1].position.x > 5
-    vehicle.command(Hold())
-    there = wait(session, 2)[-1].position
-    assert distance(wait(session, 3)[-1].position, there) < 0.02
 
 
 def test_hold_again_and_again_is_one_hold(session: Session) -> None:
     vehicle = take_off(session)
-    vehicle.command(Velocity(x=2.0))
-    wait(session, 2)
-    for _ in range(80):
-        vehicle.command(Hold())
-        session.wait()
+    wait(session, 2, Velocity(x=2.0))
+    wait(session, 2, Hold())
     there = vehicle.observe().position
-    for _ in range(80):
-        vehicle.command(Hold())
-        session.wait()
-    assert distance(vehicle.observe().position, there) < 0.01
+    assert distance(wait(session, 2, Hold())[-1].position, there) < 0.01
 
 
 def test_a_position_is_reached_and_held(session: Session) -> None:
-    vehicle = take_off(session)
-    vehicle.command(Position(Point(3.0, -2.0, 4.0)))
-    assert near(wait(session, 6)[-1].position, 3, -2, 4, 0.01)
-    assert near(wait(session, 3)[-1].position, 3, -2, 4, 0.01)
+    take_off(session)
+    place = Position(Point(3.0, -2.0, 4.0))
+    assert near(wait(session, 6, place)[-1].position, 3, -2, 4, 0.01)
+    assert near(wait(session, 3, place)[-1].position, 3, -2, 4, 0.01)
 
 
 def test_a_heading_is_turned_to_the_short_way(session: Session) -> None:
-    vehicle = take_off(session)
-    vehicle.command(Position(Point(0.0, 0.0, 3.0), yaw=3.0))
-    wait(session, 4)
-    vehicle.command(Position(Point(0.0, 0.0, 3.0), yaw=-3.0))
-    seen = wait(session, 3)
+    take_off(session)
+    wait(session, 4, Position(Point(0.0, 0.0, 3.0), yaw=3.0))
+    seen = wait(session, 3, Position(Point(0.0, 0.0, 3.0), yaw=-3.0))
     assert abs(wrap(seen[-1].yaw + 3.0)) < 0.02
     assert all(abs(each.yaw) > 2.9 for each in seen)
     assert all(-pi < each.yaw <= pi for each in seen)
 
 
 def test_a_position_can_turn_at_a_rate(session: Session) -> None:
-    vehicle = take_off(session)
-    vehicle.command(Position(Point(0.0, 0.0, 3.0), yaw_rate=-0.5))
-    seen = wait(session, 2)[-1]
+    take_off(session)
+    seen = wait(session, 2, Position(Point(0.0, 0.0, 3.0), yaw_rate=-0.5))[-1]
     assert -1.2 < seen.yaw < -0.8 and near(seen.position, 0, 0, 3)
-    vehicle.command(Position(Point(0.0, 0.0, 3.0)))
-    yaw = wait(session, 1)[-1].yaw
-    assert abs(wait(session, 1)[-1].yaw - yaw) < 0.01
+    still = Position(Point(0.0, 0.0, 3.0))
+    yaw = wait(session, 1, still)[-1].yaw
+    assert abs(wait(session, 1, still)[-1].yaw - yaw) < 0.01
+
+
+def test_a_tilt_speeds_it_up_the_way_it_leans(session: Session) -> None:
+    needs(session, "attitude")
+    take_off(session)
+    wait(session, 3, Position(Point(0.0, 0.0, 3.0), yaw=pi / 2))
+    seen = wait(session, 1, Attitude(pitch=0.1))[-1]
+    # Nose down flies forward, here north, at g·tan(tilt).
+    assert seen.velocity.y == pytest.approx(9.81 * 0.1003, rel=0.2)
+    assert abs(seen.velocity.x) < 0.05 and abs(seen.position.z - 3) < 0.1
+    wait(session, 3, Hold())
+    seen = wait(session, 1, Attitude(roll=0.1, climb=0.5))[-1]
+    assert seen.velocity.x > 0.7 and seen.velocity.z == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_tilt_can_be_a_share_of_the_limits(session: Session) -> None:
+    vehicle = needs(session, "attitude", "limits")
+    take_off(session)
+    vehicle.configure(Limits(max_tilt=0.2, max_climb=1.0, max_yaw_rate=1.0))
+    seen = wait(session, 1, Attitude(pitch=0.5, climb=0.5, yaw_rate=-0.5, unit="share"))[-1]
+    speed = (seen.velocity.x**2 + seen.velocity.y**2) ** 0.5
+    assert speed == pytest.approx(9.81 * 0.1003, rel=0.2)
+    assert seen.velocity.z == pytest.approx(0.5, abs=0.1)
+    assert seen.rates.z == pytest.approx(-0.5, abs=0.05)
+    wait(session, 4, Hold())
+    steep = wait(session, 1, Attitude(pitch=1.0))[-1].velocity
+    assert (steep.x**2 + steep.y**2) ** 0.5 < 9.81 * 0.21
 
 
 # Limits.
 
 
 def test_limits_change_in_flight_one_by_one(session: Session) -> None:
+    needs(session, "limits")
     vehicle = take_off(session)
-    vehicle.configure(Limits(max_speed=1.0))
-    vehicle.configure(Limits(max_climb=0.5, max_yaw_rate=0.3))
-    vehicle.command(Velocity(x=3.0, y=4.0, z=3.0, yaw_rate=2.0))
-    seen = wait(session, 3)[-1]
+    assert vehicle.configure(Limits(max_speed=1.0)) == ACCEPTED
+    assert vehicle.configure(Limits(max_climb=0.5, max_yaw_rate=0.3)) == ACCEPTED
+    seen = wait(session, 3, Velocity(x=3.0, y=4.0, z=3.0, yaw_rate=2.0))[-1]
     assert distance(seen.velocity, (0.6, 0.8, 0.5)) < 0.05
     assert abs(seen.rates.z - 0.3) < 0.02
 
 
-def test_no_flight_above_the_largest_altitude(session: Session) -> None:
+def test_no_flight_above_the_highest_altitude(session: Session) -> None:
+    needs(session, "limits")
     vehicle = take_off(session)
     vehicle.configure(Limits(max_altitude=4.0))
-    vehicle.command(Velocity(z=2.0))
-    assert max(seen.position.z for seen in wait(session, 4)) < 4.05
-    vehicle.command(Position(Point(0.0, 0.0, 9.0)))
-    assert abs(wait(session, 3)[-1].position.z - 4) < 0.05
-    vehicle.land()
+    assert max(seen.position.z for seen in wait(session, 4, Velocity(z=2.0))) < 4.05
+    assert abs(wait(session, 3, Position(Point(0, 0, 9.0)))[-1].position.z - 4) < 0.05
     finish(session, vehicle.land(), 10)
-    assert vehicle.takeoff(5.0).state == "refused"
+    assert decided(session, vehicle.takeoff(5.0)).state == "refused"
+
+
+def test_the_lowest_altitude_binds_neither_takeoff_nor_landing(session: Session) -> None:
+    vehicle = needs(session, "limits")
+    vehicle.configure(Limits(min_altitude=2.0))
+    take_off(session, 3)
+    assert min(seen.position.z for seen in wait(session, 4, Velocity(z=-1.0))) > 1.95
+    assert abs(wait(session, 3, Position(ORIGIN))[-1].position.z - 2) < 0.05
+    finish(session, vehicle.land(), 10)
+    assert abs(vehicle.observe().position.z) < 0.002
+    finish(session, vehicle.takeoff(1.0), 6)
+    assert near(wait(session, 1)[-1].position, 0, 0, 1)
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, nan])
-def test_a_limit_that_is_none_is_refused(session: Session, value: float) -> None:
+def test_a_limit_that_is_none_is_a_mistake(session: Session, value: float) -> None:
     with pytest.raises(UserError, match="max_speed") as caught:
         only(session).configure(Limits(max_speed=value))
     assert caught.value.code == "bad-limit"
 
 
-def test_the_period_is_a_fortieth_of_a_second() -> None:
-    assert PERIOD == 1 / 40
+def test_limits_that_contradict_are_refused(session: Session) -> None:
+    vehicle = needs(session, "limits")
+    vehicle.configure(Limits(max_altitude=4.0))
+    answer = vehicle.configure(Limits(min_altitude=5.0, max_speed=0.1))
+    assert not answer.accepted and "lowest altitude" in answer.reason
+    # All or none: the speed is what it was.
+    take_off(session)
+    assert wait(session, 3, Velocity(x=1.0))[-1].velocity.x > 0.9
+
+
+def test_profiles_are_limits_by_name(session: Session) -> None:
+    vehicle = needs(session, "limits")
+    assert {"indoor", "outdoor"} <= set(vehicle.profiles)
+    assert vehicle.configure(vehicle.profiles["indoor"]) == ACCEPTED

@@ -6,7 +6,7 @@ import pytest
 
 from hal.fake import FakeSession
 from hal.vehicle import Hold, Position, Velocity
-from tests.hal.flying import take_off, wait
+from tests.hal.flying import decided, take_off, wait
 from vencejo.geometry import Point
 
 
@@ -17,26 +17,29 @@ def test_it_notes_what_it_is_told() -> None:
     take_off(session)
     vehicle.command(Velocity(x=1.0))
     vehicle.land()
+    session.wait()
     assert vehicle.commands == [Hold(), Velocity(x=1.0)]
     assert vehicle.verbs == ["takeoff", "land"]
 
 
 @pytest.mark.parametrize("verb", ["arm", "disarm", "land", "return_home"])
 def test_it_refuses_the_next_verb_once(verb: str) -> None:
-    vehicle = FakeSession().vehicles["drone"]
-    vehicle.refusal = "the compass spins"
-    order = getattr(vehicle, verb)()
+    session = FakeSession()
+    vehicle = session.vehicles["drone"]
+    vehicle.refuse_next = "the compass spins"
+    order = decided(session, getattr(vehicle, verb)())
     assert (order.verb, order.state, order.reason) == (verb, "refused", "the compass spins")
-    assert getattr(vehicle, verb)().state == "done"
+    assert decided(session, getattr(vehicle, verb)()).state == "done"
 
 
 def test_it_stays_on_the_ground_while_unwell() -> None:
-    vehicle = FakeSession().vehicles["drone"]
+    session = FakeSession()
+    vehicle = session.vehicles["drone"]
     vehicle.health = ("no position", "no heading")
-    assert vehicle.takeoff(2).reason == "no position, no heading"
+    assert decided(session, vehicle.takeoff(2)).reason == "no position, no heading"
     assert vehicle.observe().health == ("no position", "no heading")
     vehicle.health = ()
-    assert vehicle.takeoff(2).state == "accepted"
+    assert decided(session, vehicle.takeoff(2)).state == "accepted"
 
 
 def test_it_gets_nowhere_when_stuck() -> None:
@@ -44,8 +47,7 @@ def test_it_gets_nowhere_when_stuck() -> None:
     vehicle = take_off(session)
     there = vehicle.observe().position
     session.vehicles["drone"].stuck = True
-    vehicle.command(Position(Point(9.0, 0.0, 3.0)))
-    seen = wait(session, 3)[-1]
+    seen = wait(session, 3, Position(Point(9.0, 0.0, 3.0)))[-1]
     assert (seen.position, seen.velocity) == (there, Point(0, 0, 0))
 
 
@@ -61,6 +63,7 @@ def test_the_wind_carries_it_along_in_the_air() -> None:
 def test_what_is_set_is_observed() -> None:
     session = FakeSession(("a", "b"), places={"gate": Point(1, 2, 3)})
     session.vehicles["b"].battery, session.vehicles["b"].link_age = 0.25, 4.0
+    session.wait()
     seen = session.vehicles["b"].observe()
     assert (seen.battery, seen.link_age, seen.position.x) == (0.25, 4.0, 2.0)
     assert session.places == {"gate": Point(1, 2, 3)}

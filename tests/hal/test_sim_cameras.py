@@ -19,6 +19,7 @@ from hal.sim import CameraSpec, SimSession, open_session
 from hal.sim.bullet import Bullet
 from hal.sim.sensors.lens import Lens
 from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
+from tests.hal.flying import LONG
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point, turned
@@ -90,7 +91,7 @@ def test_a_picture_read_late_shows_its_capture_time() -> None:
             drone.takeoff(3.0)
             for period in range(120):
                 if period == 60:
-                    drone.command(Velocity(x=2.0, yaw_rate=1.0))
+                    drone.command(Velocity(x=2.0, yaw_rate=1.0), LONG)
                 session.wait()
                 if period == (118 if late else 109):
                     frame = drone.camera("down").latest()
@@ -111,7 +112,7 @@ def test_the_pose_of_a_frame_fits_its_picture() -> None:
         drone = session.vehicles["drone"]
         drone.takeoff(2.0)
         frames(session, "ventral", 160)
-        drone.command(Position(Point(2.2, 0.2, 2.0), yaw=0.5))
+        drone.command(Position(Point(2.2, 0.2, 2.0), yaw=0.5), LONG)
         checked = 0
         fine = cv2.aruco.DetectorParameters()
         fine.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
@@ -168,7 +169,7 @@ def test_exposure_blurs_along_the_motion() -> None:
             drone = session.vehicles["drone"]
             drone.takeoff(2.0)
             frames(session, "ventral", 100)
-            drone.command(Velocity(yaw_rate=1.7))
+            drone.command(Velocity(yaw_rate=1.7), LONG)
             frame = frames(session, "ventral", 60)[-1]
         return float(cv2.Laplacian(frame.image, cv2.CV_64F).var())
 
@@ -239,7 +240,7 @@ def track(reads: tuple[str, ...], **settings: Any) -> list[object]:
         drone.takeoff(2.0)
         for period in range(100):
             if period == 60:
-                drone.command(Velocity(x=1.0, yaw_rate=0.5))
+                drone.command(Velocity(x=1.0, yaw_rate=0.5), LONG)
             session.wait()
             if period % 10 == 0:
                 for name in reads:

@@ -9,7 +9,7 @@ import pytest
 
 from bench.hold import hold, step, track, velocity_step, yaw_step
 from hal.vehicle import Hold, Limits, Position, Setpoint, Velocity
-from tests.hal.flying import hovering, wait
+from tests.hal.flying import LONG, hovering, wait
 from vencejo.geometry import Point, distance, roll_pitch_of
 
 
@@ -62,7 +62,7 @@ def test_turns_without_overshoot(degrees: float) -> None:
 
 def test_stays_where_it_stopped_in_command_noise() -> None:
     with hovering(noise=1.0) as (session, vehicle):
-        vehicle.command(Velocity(x=2.0))
+        vehicle.command(Velocity(x=2.0), LONG)
         wait(session, 2)
         vehicle.command(Hold())
         there = wait(session, 3)[-1].position
@@ -77,7 +77,7 @@ def test_leans_no_further_than_allowed() -> None:
             vehicle.configure(Limits(max_tilt=allowed))
             steepest = 0.0
             for speed in (5.0, -5.0):
-                vehicle.command(Velocity(x=speed, y=speed))
+                vehicle.command(Velocity(x=speed, y=speed), LONG)
                 for seen in wait(session, 3):
                     roll, pitch = roll_pitch_of(seen.attitude)
                     steepest = max(steepest, (roll**2 + pitch**2) ** 0.5)
@@ -86,9 +86,9 @@ def test_leans_no_further_than_allowed() -> None:
 
 def test_keeps_the_heading_when_it_is_not_told_to_turn() -> None:
     with hovering() as (session, vehicle):
-        vehicle.command(Velocity(yaw_rate=1.0))
+        vehicle.command(Velocity(yaw_rate=1.0), LONG)
         wait(session, 1)
-        vehicle.command(Velocity(x=3.0))
+        vehicle.command(Velocity(x=3.0), LONG)
         yaw = wait(session, 0.3)[-1].yaw
         seen = wait(session, 4)
         assert all(abs(each.yaw - yaw) < 0.03 for each in seen), "leaning over turns it a little"
@@ -99,7 +99,7 @@ def test_a_velocity_told_again_and_again_is_one_velocity() -> None:
     with hovering() as (session, vehicle):
         speeds = []
         for _ in range(120):
-            vehicle.command(Velocity(x=1.0, frame="heading"))
+            vehicle.command(Velocity(x=1.0, frame="heading"), LONG)
             session.wait()
             speeds.append(vehicle.observe().velocity.x)
         assert speeds[-1] == pytest.approx(1.0, abs=0.01)
@@ -125,7 +125,7 @@ def test_no_commands_make_it_tumble(seed: int) -> None:
 
     with hovering(Point(0.0, 0.0, 30.0)) as (session, vehicle):
         for _ in range(400):
-            vehicle.command(anywhere())
+            vehicle.command(anywhere(), LONG)
             for _ in range(random.choice([1, 2, 20])):
                 session.wait()
                 seen = vehicle.observe()
@@ -133,7 +133,7 @@ def test_no_commands_make_it_tumble(seed: int) -> None:
                 assert abs(roll) < 0.8 and abs(pitch) < 0.8
                 assert seen.velocity.norm() < 6
             if seen.position.z < 10:
-                vehicle.command(Position(seen.position._replace(z=40.0)))
+                vehicle.command(Position(seen.position._replace(z=40.0)), LONG)
                 wait(session, 10)
-        vehicle.command(Position(Point(1.0, 2.0, 30.0)))
+        vehicle.command(Position(Point(1.0, 2.0, 30.0)), LONG)
         assert distance(wait(session, 90)[-1].position, (1, 2, 30)) < 0.01

@@ -12,6 +12,7 @@ import pytest
 
 from hal.sim import open_session
 from hal.vehicle import Hold, Options, Position, Velocity
+from tests.hal.flying import LONG
 from vencejo.geometry import Point
 
 ROOT = Path(__file__).parents[2]
@@ -29,9 +30,9 @@ def flight(seed: int, noise: float = 1.0, looks: int = 1, world: str = "yard") -
                 mouse.takeoff(1.0)
             if period > 120:
                 place = Point(0.02 * (period - 120), 0.0, 2.0)
-                cat.command(Position(place, Point(0.8, 0.0, 0.0), yaw=0.5))
+                cat.command(Position(place, Point(0.8, 0.0, 0.0), yaw=0.5), LONG)
             if period == 200:
-                mouse.command(Velocity(x=1.5, frame="heading", yaw_rate=0.4))
+                mouse.command(Velocity(x=1.5, frame="heading", yaw_rate=0.4), LONG)
             if period == 400:
                 mouse.command(Hold())
             if period == 450:

@@ -12,7 +12,7 @@ from hal.sim.bullet import Bullet
 from hal.sim.sensors.rangefinder import RangefinderSpec
 from hal.sim.sensors.sampling import newest_capture
 from hal.vehicle import Options, Position, Reading, Sensor, Unavailable, Velocity
-from tests.hal.flying import only, take_off, wait
+from tests.hal.flying import LONG, only, take_off, wait
 from vencejo.errors import UserError
 from vencejo.geometry import Point, roll_pitch_of
 from worlds.loader import read_world
@@ -38,8 +38,7 @@ def reading_of(session: SimSession, name: str = "drone") -> Reading:
 
 def fly_to(session: SimSession, x: float, y: float, z: float) -> None:
     take_off(session, z)
-    only(session).command(Position(Point(x, y, z)))
-    wait(session, 8)
+    wait(session, 8, Position(Point(x, y, z)))
 
 
 def test_a_vehicle_has_one_only_where_the_settings_ask_for_it() -> None:
@@ -79,7 +78,7 @@ def test_it_leans_with_the_vehicle() -> None:
     with session_on(rate=240) as session:
         fly_to(session, 0, 0, 3.0)
         drone = only(session)
-        drone.command(Velocity(x=4.0))
+        drone.command(Velocity(x=4.0), LONG)
         wait(session, 0.4)
         seen = drone.observe()
         roll, pitch = roll_pitch_of(seen.attitude)
@@ -94,7 +93,7 @@ def test_it_looks_through_vehicles() -> None:
             session.vehicles[name].takeoff(height)
         wait(session, 8)
         for name, height in (("above", 3.0), ("below", 1.0)):
-            session.vehicles[name].command(Position(Point(0.0, 8.0, height)))
+            session.vehicles[name].command(Position(Point(0.0, 8.0, height)), LONG)
         wait(session, 6)
         assert reading_of(session, "above").values["distance"] == pytest.approx(3.06, abs=0.02)
         assert reading_of(session, "below").values["distance"] == pytest.approx(1.06, abs=0.02)
@@ -155,7 +154,7 @@ def test_it_changes_nothing_else_and_is_the_same_in_every_run() -> None:
             drone.takeoff(2.0)
             for period in range(200):
                 if period == 120:
-                    drone.command(Velocity(x=1.0, yaw_rate=0.5))
+                    drone.command(Velocity(x=1.0, yaw_rate=0.5), LONG)
                 session.wait()
                 seen.append(drone.observe())
                 if settings:

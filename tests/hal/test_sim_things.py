@@ -15,8 +15,8 @@ from hal.sim.bullet import Bullet
 from hal.sim.contact_debouncer import ContactDebouncer
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import GRAVITY, STEP, Body, Contacts, Triple
-from hal.vehicle import Options, Position, Velocity
-from tests.hal.flying import finish, hovering, only, take_off, wait
+from hal.vehicle import Options, Position, VehicleEvent, Velocity
+from tests.hal.flying import LONG, finish, hovering, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of
 from worlds import figures
 from worlds.loader import read_world
@@ -351,13 +351,13 @@ def test_a_touch_is_new_once_until_it_is_over() -> None:
 
 def test_a_collision_is_told_once_with_its_name() -> None:
     with hovering(Point(0.0, 9.0, 1.2), world="yard") as (session, vehicle):
-        vehicle.command(Velocity(y=1.0))
-        told = [seen.touched for seen in wait(session, 6) if seen.touched]
-        assert told == [("wall",)]
-        vehicle.command(Position(Point(0.0, 9.0, 1.2)))
+        vehicle.command(Velocity(y=1.0), LONG)
+        told = [seen.events for seen in wait(session, 6) if seen.events]
+        assert told == [(VehicleEvent("vehicle.collision", {"thing": "wall"}),)]
+        vehicle.command(Position(Point(0.0, 9.0, 1.2)), LONG)
         wait(session, 3)
-        vehicle.command(Velocity(y=1.0))
-        assert [seen.touched for seen in wait(session, 6) if seen.touched] == [("wall",)]
+        vehicle.command(Velocity(y=1.0), LONG)
+        assert [seen.events for seen in wait(session, 6) if seen.events] == told
 
 
 def test_standing_on_something_is_no_collision() -> None:
@@ -365,7 +365,7 @@ def test_standing_on_something_is_no_collision() -> None:
         order = vehicle.land()
         while not order.ended:
             session.wait()
-            assert vehicle.observe().touched == ()
+            assert vehicle.observe().events == ()
 
 
 def test_vehicles_collide_by_name() -> None:
@@ -374,12 +374,12 @@ def test_vehicles_collide_by_name() -> None:
         cat.takeoff(2)
         mouse.takeoff(2)
         wait(session, 4)
-        cat.command(Velocity(x=0.5))
+        cat.command(Velocity(x=0.5), LONG)
         touched: dict[str, list[str]] = {"cat": [], "mouse": []}
         for _ in range(160):
             session.wait()
             for name, vehicle in session.vehicles.items():
-                touched[name] += vehicle.observe().touched
+                touched[name] += [event.fields["thing"] for event in vehicle.observe().events]
         assert touched["cat"][:1] == ["mouse"] and touched["mouse"][:1] == ["cat"]
 
 
@@ -394,7 +394,7 @@ def test_a_vehicle_takes_off_from_a_moving_pad_and_lands_on_it(tmp_path: Path) -
         wait(session, 5)
         assert vehicle.observe().position == pytest.approx((1, 0, 0.3), abs=0.02)
         take_off(session, 2.0)
-        vehicle.command(Velocity(x=0.2))
+        vehicle.command(Velocity(x=0.2), LONG)
         wait(session, 2)
         finish(session, vehicle.land(), 15)
         landed = vehicle.observe()

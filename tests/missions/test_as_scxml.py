@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from behaviors import drone_vocabulary, load_all
-from cli.missions import SHIPPED
 from fsm import Graph, MissionSpec, compile_mission, read_mission
 from fsm.scxml import import_mission, parse_document, write_scxml
+from runner.missions import SHIPPED
 
 
 def compiled(spec: MissionSpec) -> Graph:

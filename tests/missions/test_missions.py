@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from cli import missions
-from cli.testing import MissionFlight, fly_mission
+from runner import missions
+from runner.testing import MissionFlight, fly_mission
 from vencejo.geometry import Point, distance
 
 SHIPPED = ("beacon_route", "first_flight", "survey_square")

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from behaviors import MissionFrame, Pilot
-from behaviors.saving import resume_flight, save_flight
-from cli import missions
-from cli.prepare import prepare
+from behaviors.pilot import resume_flight, save_flight
 from hal import Options, open_backend
+from runner import missions
+from runner.preparation import prepare
 
 
 def flown(mission: str, post: Mapping[int, str], saved: bool) -> list[Any]:
@@ -21,20 +21,21 @@ def flown(mission: str, post: Mapping[int, str], saved: bool) -> list[Any]:
     trace: list[Any] = []
     with open_backend("sim", Options(world=prepared.world_word, seed=0)) as session:
         (vehicle,) = session.vehicles.values()
-        frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
+        session.wait()
+        frame = MissionFrame.at_start(vehicle.observe(), session.places, session.geographic)
         pilot = Pilot(prepared.graph, vehicle, frame=frame, seed=0)
         while not pilot.finished:
-            session.wait()
             if len(trace) in post:
                 pilot.instance.post(post[len(trace)])
             pilot.period()
             records, pilot.instance.records = pilot.instance.records, []
-            trace.append((pilot.flight.world, records, pilot.outcome))
+            trace.append((pilot.channel.world, records, pilot.outcome))
             if saved:
                 known = json.loads(json.dumps(save_flight(pilot), allow_nan=False))
                 places, origin = session.places, session.geographic
                 graph = prepared.graph
                 pilot = resume_flight(graph, vehicle, known, places=places, geographic=origin)
+            session.wait()
     return trace
 
 

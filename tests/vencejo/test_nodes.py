@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vencejo.errors import UserError
-from vencejo.nodes import MAX_BYTES, Mapping, Node, Scalar, kind, read_file, read_text
+from vencejo.nodes import MAX_BYTES, Mapping, Scalar, YamlNode, kind, read_file, read_text
 
 
-def plain(node: Node) -> Any:
+def plain(node: YamlNode) -> Any:
     if isinstance(node, Mapping):
         return {key.text: plain(value) for key, value in node}
     return node.text if isinstance(node, Scalar) else [plain(item) for item in node.items]
@@ -52,7 +52,7 @@ def test_every_value_and_key_knows_its_place() -> None:
     root = read_text("a: {é: [1, x]}\n\nb:\n  - c: d\n", "f")
     places = []
 
-    def walk(node: Node) -> None:
+    def walk(node: YamlNode) -> None:
         places.append((kind(node), str(node.where)))
         if isinstance(node, Mapping):
             for key, value in node:

@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from tests.worlds.faults import SHAPE_FAULTS
-from vencejo.nodes import Mapping, Node, Scalar, read_file, read_text
+from vencejo.nodes import Mapping, Scalar, YamlNode, read_file, read_text
 from vencejo.units import parse_number
 from worlds import find_world, world_names
 from worlds.world_schema import HELP, world_schema
@@ -17,7 +17,7 @@ from worlds.world_schema import HELP, world_schema
 SCHEMA = Draft202012Validator(world_schema())
 
 
-def plain(node: Node) -> Any:
+def plain(node: YamlNode) -> Any:
     """What a YAML 1.2 reader makes of a file."""
     if isinstance(node, Mapping):
         return {key.text: plain(value) for key, value in node}

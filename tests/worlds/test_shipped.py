@@ -35,7 +35,7 @@ def test_each_can_be_flown_in(name: str) -> None:
             session.wait()
         (vehicle,) = session.vehicles.values()
         seen = vehicle.observe()
-        assert seen.position == pytest.approx(seen.home, abs=0.002) and seen.touched == ()
+        assert seen.position == pytest.approx(seen.home, abs=0.002) and seen.events == ()
 
 
 def test_the_roads_of_the_town() -> None:

@@ -1,4 +1,4 @@
-"""What every picture must fulfil, whatever its graph."""
+"""The rules that every diagram must fulfil, whatever its graph."""
 
 from __future__ import annotations
 
@@ -6,25 +6,27 @@ from collections.abc import Iterator
 from itertools import combinations, pairwise
 
 from fsm import Graph
-from fsm.drawing import Box, Label, Line, Picture
+from fsm.drawing import Box, Diagram, Label, Line
 from fsm.drawing.inside import LABEL_SIZE, LINE_SIZE, NAME_SIZE
+from fsm.drawing.labels import stays
 from fsm.drawing.widths import text_width
-from fsm.drawing.words import stays
 
 Rectangle = Box | Label
 Segment = tuple[tuple[float, float], tuple[float, float]]
 
 
-def broken_rules(graph: Graph, picture: Picture) -> list[str]:
-    """Everything that is wrong with a picture; nothing, one hopes."""
-    boxes = {box.path: box for box in picture.boxes}
+def broken_rules(graph: Graph, diagram: Diagram) -> list[str]:
+    """Everything that is wrong with a diagram; nothing, one hopes."""
+    boxes = {box.path: box for box in diagram.boxes}
     return [
-        *_nesting(graph, boxes, picture),
-        *_words(picture),
-        *_labels(graph, boxes, picture),
-        *_ends(graph, boxes, picture),
-        *_crossed_boxes(graph, boxes, picture),
-        *_upon_each_other(picture),
+        *_nesting(graph, boxes, diagram),
+        *_words(diagram),
+        *_labels(graph, boxes, diagram),
+        *_crossed_labels(diagram),
+        *_missing(graph, diagram),
+        *_ends(boxes, diagram),
+        *_crossed_boxes(graph, boxes, diagram),
+        *_upon_each_other(diagram),
     ]
 
 
@@ -46,7 +48,7 @@ def _within(inner: Rectangle, outer: Rectangle) -> bool:
     )
 
 
-def _nesting(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Iterator[str]:
+def _nesting(graph: Graph, boxes: dict[str, Box], diagram: Diagram) -> Iterator[str]:
     if list(boxes) != [node.path for node in graph.nodes]:
         yield "not every state has its box"
     for node in graph.nodes:
@@ -57,12 +59,12 @@ def _nesting(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Iterator[
             if _overlap(boxes[one.path], boxes[two.path]):
                 yield f"{one.path} and {two.path} overlap"
     root = boxes[""]
-    if root.x < 0 or root.y < 0 or root.right > picture.width or root.bottom > picture.height:
-        yield "the picture is too small"
+    if root.x < 0 or root.y < 0 or root.right > diagram.width or root.bottom > diagram.height:
+        yield "the diagram is too small"
 
 
-def _words(picture: Picture) -> Iterator[str]:
-    for box in picture.boxes:
+def _words(diagram: Diagram) -> Iterator[str]:
+    for box in diagram.boxes:
         if box.kind == "history":
             continue
         room = box.width - 14
@@ -71,8 +73,8 @@ def _words(picture: Picture) -> Iterator[str]:
             yield f"the words of {box.path} do not fit"
 
 
-def _labels(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Iterator[str]:
-    labels = [line.label for line in picture.lines if line.label]
+def _labels(graph: Graph, boxes: dict[str, Box], diagram: Diagram) -> Iterator[str]:
+    labels = [line.label for line in diagram.lines if line.label]
     for label in labels:
         if any(text_width(line, LABEL_SIZE) > label.width for line in label.lines):
             yield f"{label.lines} is wider than thought"
@@ -85,7 +87,11 @@ def _labels(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Iterator[s
     for one, two in combinations(labels, 2):
         if _overlap(one, two):
             yield f"{one.lines} overlaps {two.lines}"
-    for line in picture.lines:
+
+
+def _crossed_labels(diagram: Diagram) -> Iterator[str]:
+    labels = [line.label for line in diagram.lines if line.label]
+    for line in diagram.lines:
         for label in labels:
             if any(_touches(segment, label) for segment in pairwise(line.points)):
                 yield f"{line.source} -> {line.target} crosses {label.lines}"
@@ -102,7 +108,7 @@ def _heading(box: Box) -> Label:
 
 
 def _touches(segment: Segment, area: Rectangle) -> bool:
-    """Whether an upright or level piece runs through an area, its edge apart."""
+    """Whether a vertical or horizontal piece runs through an area; touching its edge is not."""
     (x1, y1), (x2, y2) = segment
     return (
         min(x1, x2) < area.x + area.width
@@ -112,15 +118,17 @@ def _touches(segment: Segment, area: Rectangle) -> bool:
     )
 
 
-def _ends(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Iterator[str]:
-    drawn = {(line.source, line.target) for line in picture.lines if line.label}
+def _missing(graph: Graph, diagram: Diagram) -> Iterator[str]:
+    drawn = {(line.source, line.target) for line in diagram.lines if line.label}
     for node in graph.nodes:
         for edge in node.edges():
-            if not stays(edge):
-                for target in edge.targets:
-                    if (node.path, target.path) not in drawn:
-                        yield f"{node.path} -> {target.path} is missing"
-    for line in picture.lines:
+            for target in () if stays(edge) else edge.targets:
+                if (node.path, target.path) not in drawn:
+                    yield f"{node.path} -> {target.path} is missing"
+
+
+def _ends(boxes: dict[str, Box], diagram: Diagram) -> Iterator[str]:
+    for line in diagram.lines:
         name = f"{line.source} -> {line.target}"
         if not line.dot and not _on_border(line.points[0], boxes[line.source]):
             yield f"{name} does not begin at its source"
@@ -140,10 +148,10 @@ def _on_border(point: tuple[float, float], box: Box) -> bool:
     return box.x + 8 <= x <= box.right - 8 and y in (box.y, box.bottom)
 
 
-def _crossed_boxes(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Iterator[str]:
+def _crossed_boxes(graph: Graph, boxes: dict[str, Box], diagram: Diagram) -> Iterator[str]:
     """Lines run only through states around their ends, and through no heading but of their own."""
     by_path = graph.by_path
-    for line in picture.lines:
+    for line in diagram.lines:
         ends = [by_path[line.source], by_path[line.target]]
         for node in graph.nodes:
             box = boxes[node.path]
@@ -153,10 +161,10 @@ def _crossed_boxes(graph: Graph, boxes: dict[str, Box], picture: Picture) -> Ite
                 yield f"{line.source} -> {line.target} runs through {node.path}"
 
 
-def _upon_each_other(picture: Picture) -> Iterator[str]:
+def _upon_each_other(diagram: Diagram) -> Iterator[str]:
     """Only lines to the same target may share a way."""
     pieces: dict[tuple[bool, float], list[tuple[float, float, Line]]] = {}
-    for line in picture.lines:
+    for line in diagram.lines:
         for (x1, y1), (x2, y2) in pairwise(line.points):
             upright = x1 == x2
             ends = sorted((y1, y2) if upright else (x1, x2))

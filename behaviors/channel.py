@@ -1,0 +1,142 @@
+"""The channel between a mission and its vehicle: observations in, set-points and orders out.
+
+Observations are in the mission frame here, as set-points are; positions pass from one frame to the
+other here and nowhere else. What a single behaviour may do with the channel is the matter of its
+own :class:`behaviors.flight.Flight`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from random import Random
+from typing import NamedTuple
+
+from behaviors.frame import MissionFrame
+from hal.limits import Limits
+from hal.orders import Order
+from hal.vehicle import (
+    ACCEPTED,
+    PERIOD,
+    Answer,
+    Camera,
+    Frame,
+    Observation,
+    Position,
+    Reading,
+    Sensor,
+    Setpoint,
+    Vehicle,
+)
+
+
+class Jump(NamedTuple):
+    """A jump of the world frame's origin."""
+
+    epoch: int
+    offset: tuple[float, float, float]
+    """By how much every place is elsewhere in world coordinates than before, metres."""
+
+
+class Channel:
+    """One vehicle as its mission sees it during one mission period."""
+
+    def __init__(self, vehicle: Vehicle, frame: MissionFrame, rng: Random) -> None:
+        self.vehicle = vehicle
+        self.frame = frame
+        self.rng = rng
+        """Draws for this vehicle's behaviours, fixed by the run's seed."""
+        self.dt = PERIOD
+        """The step that the session made to this period, seconds."""
+        self.setpoint: Setpoint | None = None
+        """What was commanded in this period, mission frame."""
+        self.order: Order | None = None
+        """The manoeuvre that the behaviour at work has asked the vehicle for."""
+        self.looked: Callable[[str, Frame], None] = _unseen
+        """Told of each camera frame that is read: the camera's name, the frame in the world frame.
+        """
+        self.measured: Callable[[str, Reading], None] = _unseen
+        """Told of each sensor reading that is read: the sensor's name, the reading."""
+        self.jump: Jump | None = None
+        """The jump of the world frame that came with this period."""
+        seen = vehicle.observe()
+        self._epoch, self._shift = seen.epoch, seen.origin_shift
+        self.observe()
+
+    def observe(self, dt: float = PERIOD) -> Observation:
+        """Take the observation of a new period, which came ``dt`` seconds after the last."""
+        self.dt = dt
+        seen = self.world = self.vehicle.observe()
+        """The observation as the vehicle gave it, world frame: for records."""
+        frame = self.frame
+        self.jump = None
+        if seen.epoch != self._epoch:
+            self._follow_jump(seen)
+        if not frame.is_world:
+            position, home = frame.from_world(seen.position), frame.from_world(seen.home)
+            seen = seen._replace(position=position, home=home)
+        self.observation = seen
+        """Position and home in the mission frame."""
+        self.setpoint = None
+        return self.observation
+
+    def _follow_jump(self, seen: Observation) -> None:
+        offset = seen.origin_shift.minus(self._shift)
+        self._epoch, self._shift = seen.epoch, seen.origin_shift
+        self.frame.shift(offset)
+        self.jump = Jump(seen.epoch, offset)
+
+    @property
+    def now(self) -> float:
+        """Seconds of the session's clock."""
+        return self.observation.time
+
+    def send(self) -> Answer:
+        """Hand this period's set-point to the vehicle, in the world frame."""
+        setpoint = self.setpoint
+        if isinstance(setpoint, Position) and not self.frame.is_world:
+            setpoint = setpoint._replace(xyz=self.frame.to_world(setpoint.xyz))
+        return ACCEPTED if setpoint is None else self.vehicle.command(setpoint)
+
+    def configure(self, limits: Limits) -> Answer:
+        """Change limits whose altitudes are above home (see :meth:`hal.Vehicle.configure`)."""
+        return self.vehicle.configure(limits.raised(self.world.home.z))
+
+    def camera(self, name: str) -> Camera:
+        """A camera whose frames carry mission-frame poses. Raises hal's Unavailable."""
+        return _MissionCamera(self.vehicle.camera(name), name, self)
+
+    def sensor(self, name: str) -> Sensor:
+        """A sensor by name. Raises hal's Unavailable."""
+        return _MissionSensor(self.vehicle.sensor(name), name, self)
+
+
+class _MissionCamera:
+    def __init__(self, camera: Camera, name: str, channel: Channel) -> None:
+        self._camera = camera
+        self._name = name
+        self._channel = channel
+
+    def latest(self) -> Frame | None:
+        taken = self._camera.latest()
+        if taken is None:
+            return None
+        self._channel.looked(self._name, taken)
+        return dataclasses.replace(taken, position=self._channel.frame.from_world(taken.position))
+
+
+class _MissionSensor:
+    def __init__(self, sensor: Sensor, name: str, channel: Channel) -> None:
+        self._sensor = sensor
+        self._name = name
+        self._channel = channel
+
+    def latest(self) -> Reading | None:
+        reading = self._sensor.latest()
+        if reading is not None:
+            self._channel.measured(self._name, reading)
+        return reading
+
+
+def _unseen(name: str, what: Frame | Reading) -> None:
+    """Nobody keeps frames or readings."""

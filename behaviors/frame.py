@@ -1,0 +1,129 @@
+"""The mission frame: where a mission's points are counted from, and how places are found.
+
+Its origin is home, where the vehicle was when the mission began; its axes are the world's (east,
+north, up). When the origin of the world frame jumps, the mission frame stays where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from behaviors.params import Face, Heading, Waypoint
+from fsm.values.functions import EvaluationError, shown
+from fsm.values.types import AREA, HEADING, POINT, ROUTE, Type
+from hal.vehicle import Observation
+from vencejo.geometry import Point, distance, enu_of, rotate_xy
+
+STANDS_ON_HOME = 0.05
+"""A vehicle on the ground this near to its home stands on it, metres."""
+_ZERO = Point(0.0, 0.0, 0.0)
+
+
+class MissionFrame:
+    """Home of one mission: where its points are counted from, and how places are found."""
+
+    def __init__(
+        self,
+        origin: Point,
+        places: Mapping[str, Point] | None = None,
+        geographic: tuple[float, float, float] | None = None,
+    ) -> None:
+        self.origin = origin
+        """The mission frame's zero, world frame."""
+        self.is_world = origin == _ZERO
+        """Whether the two frames are one, and nothing needs to be moved."""
+        self.places = dict(places or {})
+        """Places of the world, world frame."""
+        self.geographic = geographic
+        """Latitude and longitude (degrees) and altitude of the world frame's zero."""
+
+    @classmethod
+    def at_start(
+        cls,
+        seen: Observation,
+        places: Mapping[str, Point] | None = None,
+        geographic: tuple[float, float, float] | None = None,
+    ) -> MissionFrame:
+        """The frame of a mission that begins with this observation (world frame).
+
+        Its zero is home where the vehicle stands on it, since an autopilot measures both, each
+        with an error of its own; else it is where the vehicle is.
+        """
+        at_home = not seen.flying and distance(seen.position, seen.home) < STANDS_ON_HOME
+        return cls(seen.home if at_home else seen.position, places, geographic)
+
+    def shift(self, offset: Point) -> None:
+        """Follow a jump of the world frame: all that stands still is ``offset`` further there."""
+        self.origin = self.origin.plus(offset)
+        self.is_world = self.origin == _ZERO
+        self.places = {name: place.plus(offset) for name, place in self.places.items()}
+
+    def from_world(self, point: Point) -> Point:
+        return point.minus(self.origin)
+
+    def to_world(self, point: Point) -> Point:
+        return point.plus(self.origin)
+
+    def point(self, given: Any, start: Observation) -> Point:
+        """The mission-frame point of a value as missions write it.
+
+        ``start`` is the observation (mission frame) when the behaviour began: what is not said
+        stays as it was then. Raises EvaluationError.
+        """
+        if isinstance(given, Point):
+            return given
+        here = start.position
+        if isinstance(given, str):
+            if given == "home":
+                return Point(0.0, 0.0, here.z)
+            if given in self.places:
+                return self.from_world(self.places[given])
+            known = ", ".join(["home", *sorted(self.places)])
+            raise EvaluationError(f"there is no place '{given}' here (known: {known})")
+        if not isinstance(given, Mapping):
+            raise EvaluationError(f"{shown(given)} is not a point")
+        if given.keys() & {"forward", "left", "up"}:
+            east, north = rotate_xy(given.get("forward", 0.0), given.get("left", 0.0), start.yaw)
+            return here.plus((east, north, given.get("up", 0.0)))
+        if "lat" in given:
+            if self.geographic is None:
+                raise EvaluationError("the vehicle has no geographic position here")
+            east, north = enu_of(given["lat"], given["lon"], *self.geographic[:2])
+            world = self.from_world(Point(east, north, 0.0))
+            return world._replace(z=given.get("above_home", here.z))
+        if given.get("frame") == "world":
+            there = self.to_world(here)
+            named = Point(*(given.get(axis, there[i]) for i, axis in enumerate("xyz")))
+            return self.from_world(named)
+        return Point(*(given.get(axis, here[i]) for i, axis in enumerate("xyz")))
+
+    def heading(self, given: Any, start: Observation) -> Heading:
+        if isinstance(given, Mapping):
+            return Face(self.point(given["face"], start))
+        return given if isinstance(given, str) else float(given)
+
+    def resolve(self, type_: Type, given: Any, start: Observation) -> Any:
+        """A checked value in the form behaviours use: Point, Heading, Route, Area, or itself."""
+        if given is None:
+            return None
+        if type_ == POINT:
+            return self.point(given, start)
+        if type_ == HEADING:
+            return self.heading(given, start)
+        if type_ == ROUTE:
+            return [self._waypoint(element, start) for element in given]
+        if type_ == AREA:
+            return [self.point(element, start) for element in given]
+        return given
+
+    def _waypoint(self, given: Any, start: Observation) -> Waypoint:
+        if isinstance(given, Mapping) and "at" in given:
+            heading = given.get("heading")
+            return Waypoint(
+                self.point(given["at"], start),
+                None if heading is None else self.heading(heading, start),
+                given.get("speed"),
+                given.get("dwell"),
+            )
+        return Waypoint(self.point(given, start))

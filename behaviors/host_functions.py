@@ -1,0 +1,88 @@
+"""Functions that every mission may `call`: limits and lights of its own vehicle.
+
+What the vehicle refuses is ``error.execution`` in the mission.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from behaviors.channel import Channel
+from fsm.host import Function, Parameter
+from fsm.values.functions import EvaluationError
+from fsm.values.types import TEXT, Number, Text
+from hal.lights import COLORS, PATTERNS, Lights
+from hal.limits import DIMENSIONS, Limits
+from hal.vehicle import Unavailable
+from vencejo.errors import UserError, nearest
+from vencejo.units import FREQUENCY, TIME
+
+
+def set_limits(channel: Channel, profile: str | None = None, **limits: float) -> None:
+    """Change limits of flight: a named profile of the vehicle, single limits, or both.
+
+    Altitudes are above home. Raises EvaluationError for what the vehicle refuses.
+    """
+    wanted = Limits(**limits)
+    if profile is not None:
+        wanted = wanted.over(profile_of(channel, profile))
+    try:
+        answer = channel.configure(wanted)
+    except UserError as error:
+        raise EvaluationError(error.faults[0].message) from None
+    if not answer.accepted:
+        raise EvaluationError(f"limits refused: {answer.reason}")
+
+
+def profile_of(channel: Channel, name: str) -> Limits:
+    """The vehicle's limits of that name. Raises EvaluationError when it has none."""
+    profiles = channel.vehicle.profiles
+    if name not in profiles:
+        hint = nearest(name, profiles, "this vehicle has none")
+        raise EvaluationError(f"there is no profile '{name}' ({hint})")
+    return profiles[name]
+
+
+def show_lights(channel: Channel, **settings: Any) -> None:
+    """Show a pattern on the vehicle's lamps. Raises EvaluationError where it has none."""
+    try:
+        channel.vehicle.lights(Lights(**settings))
+    except UserError as error:
+        raise EvaluationError(error.faults[0].message) from None
+    except Unavailable as error:
+        raise EvaluationError(str(error)) from None
+
+
+HostFunction = Callable[..., None]
+HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
+    {
+        "limits": (
+            Function(
+                "limits",
+                "Change limits of flight: a profile of the vehicle (indoor, outdoor), or single "
+                "limits. Altitudes are above home; what the vehicle refuses is error.execution.",
+                {
+                    "profile": Parameter("profile", TEXT),
+                    **{name: Parameter(name, Number(unit)) for name, unit in DIMENSIONS.items()},
+                },
+            ),
+            set_limits,
+        ),
+        "lights": (
+            Function(
+                "lights",
+                "Show a pattern on the vehicle's lamps; without a duration it stays.",
+                {
+                    "pattern": Parameter("pattern", Text(PATTERNS), "standard"),
+                    "color": Parameter("color", Text(tuple(COLORS)), "white"),
+                    "rate": Parameter("rate", Number(FREQUENCY, 0.0, 20.0), 1.0),
+                    "duration": Parameter("duration", Number(TIME, 0.0)),
+                },
+            ),
+            show_lights,
+        ),
+    }
+)
+"""What missions may call by name, with what runs it on a channel."""

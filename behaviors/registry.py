@@ -1,0 +1,137 @@
+"""Which behaviours there are: those installed, and those in files beside a mission."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+import traceback
+from collections.abc import Iterable, Iterator, Mapping
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import TypeGuard
+
+from behaviors.action import describe_action, is_action
+from behaviors.behavior import Behavior, describe
+from behaviors.host_functions import HOST_FUNCTIONS
+from fsm.host import BehaviorInfo, Function
+from vencejo.errors import UserError, Where, nearest
+from vencejo.files import file_inside
+from vencejo.nodes import Scalar
+
+GROUP = "vencejo.behaviors"
+
+
+class Registry(Mapping[str, BehaviorInfo]):
+    """Behaviours by name; one that is installed is imported when it is first asked for."""
+
+    def __init__(self, own: Mapping[str, BehaviorInfo] | None = None) -> None:
+        self._points: dict[str, EntryPoint] = {p.name: p for p in entry_points(group=GROUP)}
+        self._known: dict[str, BehaviorInfo] = dict(own or {})
+
+    def __getitem__(self, name: str) -> BehaviorInfo:
+        if name not in self._known:
+            self._known[name] = describe(self._points[name].load(), name)
+        return self._known[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known or name in self._points
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted({*self._points, *self._known}))
+
+    def __len__(self) -> int:
+        return len({*self._points, *self._known})
+
+
+Own = dict[str, BehaviorInfo | Function]
+"""Behaviours and functions of one's own, by name."""
+
+
+def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
+    """What is in the Python files that missions name under ``uses``, each with the folder it is
+    named from; one named twice runs once.
+
+    Runs those files; only ones inside that folder are accepted. Raises UserError.
+    """
+    found: Own = {}
+    seen: set[Path] = set()
+    for scalar, folder in files:
+        path = path_of(scalar, folder)
+        if path in seen:
+            continue
+        seen.add(path)
+        for info in _contents(scalar, path):
+            what = "behaviour" if isinstance(info, BehaviorInfo) else "function"
+            if info.name in Registry() or info.name in HOST_FUNCTIONS or info.name in found:
+                raise UserError(
+                    "name-taken",
+                    f"'{scalar.text}' has a {what} '{info.name}', but there is one already",
+                    scalar.where,
+                    "give the class another name, or set its `name`"
+                    if what == "behaviour"
+                    else "give the function another name",
+                )
+            found[info.name] = info
+    return found
+
+
+def path_of(scalar: Scalar, folder: Path) -> Path:
+    """The file that a mission names under ``uses``. Raises UserError when it may not be used."""
+    name, where = scalar.text, scalar.where
+    path = file_inside(folder, scalar, "Python that a mission uses")
+    if not path.is_file():
+        files = [str(file.relative_to(folder)) for file in folder.glob("*.py")]
+        hint = nearest(name, files, None if files else "no Python file lies beside the mission")
+        raise UserError("no-such-file", f"there is no file '{name}'", where, hint)
+    return path
+
+
+def _contents(scalar: Scalar, path: Path) -> list[BehaviorInfo | Function]:
+    name, where = scalar.text, scalar.where
+    module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
+    spec = importlib.util.spec_from_file_location(module_name, path)
+    if spec is None or spec.loader is None:
+        raise UserError("not-python", f"'{name}' is no Python file", where, "its name ends in .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module_name] = module
+    try:
+        spec.loader.exec_module(module)
+        # A class that has two names in its file is still one behaviour.
+        own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))
+        functions = dict.fromkeys(filter(is_action, vars(module).values()))
+        found: list[BehaviorInfo | Function] = [
+            *map(describe, own),
+            *(describe_action(f) for f in functions if f.__module__ == module.__name__),
+        ]
+    except (Exception, SystemExit) as error:
+        del sys.modules[module_name]
+        raise UserError(
+            "broken-code",
+            f"'{name}' cannot be loaded: {type(error).__name__}: {error}",
+            Where(name, _line_in(error, path), 1),
+            f"named under `uses` at {where}",
+        ) from None
+    if not found:
+        hint = "write `class Circle(Behavior): …`, with `from behaviors import Behavior`"
+        raise UserError("no-behaviour", f"there is no behaviour in '{name}'", where, hint)
+    return found
+
+
+def _is_own(thing: object, module: ModuleType) -> TypeGuard[type[Behavior]]:
+    """Whether a file's name is a behaviour written in it; `_names` are for its own use."""
+    return (
+        isinstance(thing, type)
+        and issubclass(thing, Behavior)
+        and thing.__module__ == module.__name__
+        and not thing.__name__.startswith("_")
+    )
+
+
+def _line_in(error: BaseException, path: Path) -> int:
+    """The line of the user's file that an error comes from."""
+    if isinstance(error, SyntaxError):
+        return error.lineno or 1
+    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    return next((line for line in reversed(lines) if line), 1)

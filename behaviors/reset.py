@@ -1,0 +1,30 @@
+"""reset: leave the emergency state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from behaviors.behavior import Behavior
+from behaviors.flight import Flight
+from behaviors.manoeuvre import Waiting
+from behaviors.params import BehaviorParams, param
+from fsm.host import Outcome
+
+
+class Reset(Behavior):
+    """Let the vehicle leave its emergency state on the ground, so that it can take off again."""
+
+    class Params(BehaviorParams):
+        timeout: float = param(30.0, unit="s", min=0.1, help="then it has failed")
+
+    requires = ("reset",)
+
+    def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
+        self.waiting = Waiting(flight.reset(), flight.now, self.params.timeout, progress)
+
+    def step(self, flight: Flight) -> Outcome | str | None:
+        return self.waiting.step(flight)
+
+    def progress(self) -> dict[str, Any]:
+        return self.waiting.progress()

@@ -1,0 +1,30 @@
+"""trim: take the present attitude as level."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from behaviors.behavior import Behavior
+from behaviors.flight import Flight
+from behaviors.manoeuvre import Waiting
+from behaviors.params import BehaviorParams, param
+from fsm.host import Outcome
+
+
+class Trim(Behavior):
+    """Let the vehicle take its present attitude as level: on level ground, with the motors off."""
+
+    class Params(BehaviorParams):
+        timeout: float = param(10.0, unit="s", min=0.1, help="then it has failed")
+
+    requires = ("trim",)
+
+    def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
+        self.waiting = Waiting(flight.trim(), flight.now, self.params.timeout, progress)
+
+    def step(self, flight: Flight) -> Outcome | str | None:
+        return self.waiting.step(flight)
+
+    def progress(self) -> dict[str, Any]:
+        return self.waiting.progress()

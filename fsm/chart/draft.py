@@ -1,0 +1,125 @@
+"""The draft of a graph: the intermediate form between a language and an immutable graph.
+
+The front ends for YAML and SCXML add the states in document order, resolve targets, and compile the
+contents of states and transitions into their drafts. From these :func:`fsm.chart.graph.build_nodes`
+makes the states and transitions of a graph. Rules that hold in both languages stand here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from fsm.chart.executable import Action, Data, Given, Invocation
+from fsm.chart.nesting import Nested
+from fsm.expressions.compiled import Compiled
+from fsm.language.reader import MAX_STATE_DEPTH
+from fsm.language.spec import StateType, TriggerKind
+from vencejo.errors import Where
+
+__all__ = ["MAX_STATE_DEPTH", "Draft", "StateDraft", "TransitionDraft", "compatible", "domain_of"]
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class TransitionDraft:
+    """One alternative of a transition."""
+
+    kind: TriggerKind
+    trigger: str
+    where: Where
+    targets: tuple[StateDraft, ...] = ()
+    reenter: bool = False
+    """Whether the source is left even when all targets lie inside it."""
+    guard: Compiled | None = None
+    hold: Compiled | None = None
+    """How long a condition must last."""
+    actions: tuple[Action, ...] = ()
+    name: str = ""
+
+
+Alternatives = Sequence[TransitionDraft]
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class StateDraft(Nested):
+    """One state. Its fields are those of :class:`fsm.chart.graph.Node`, and explained there."""
+
+    name: str
+    path: str
+    type: StateType
+    where: Where
+    parent: StateDraft | None
+    index: int
+    last: int
+    depth: int
+    """How many states are around it."""
+    border: bool = False
+    description: str = ""
+    children: list[StateDraft] = field(default_factory=list)
+    initial: tuple[StateDraft, ...] = ()
+    deep: bool = False
+    given: tuple[Given, ...] = ()
+    data: tuple[Data, ...] = ()
+    entry: tuple[Action, ...] = ()
+    default_actions: tuple[Action, ...] = ()
+    exit_actions: tuple[Action, ...] = ()
+    throughout: tuple[Action, ...] = ()
+    invocation: Invocation | None = None
+    on: Sequence[tuple[str, Alternatives]] = ()
+    """Transitions by the pattern that their events match."""
+    whens: Sequence[tuple[Compiled, Alternatives]] = ()
+    afters: Sequence[tuple[Compiled, Alternatives]] = ()
+    always: Alternatives = ()
+    outcome: str = "done"
+    output: Sequence[tuple[str, Compiled]] = ()
+
+
+class Draft(list[StateDraft]):
+    """The states of a graph that is being read, in document order."""
+
+    def add(
+        self, name: str, path: str, type_: StateType, where: Where, parent: StateDraft | None
+    ) -> StateDraft:
+        """The next state in document order, as the last child of ``parent``."""
+        index = len(self)
+        depth = parent.depth + 1 if parent else 0
+        state = StateDraft(name, path, type_, where, parent, index, index, depth)
+        self.append(state)
+        if parent is not None:
+            parent.children.append(state)
+        while parent is not None:
+            parent.last = index
+            parent = parent.parent
+        return state
+
+
+def compatible(a: StateDraft, b: StateDraft) -> bool:
+    """Whether a transition may enter both: they lie in different regions of one parallel state."""
+    common = a
+    while not common.index <= b.index <= common.last:
+        assert common.parent is not None, "the root is around every state"
+        common = common.parent
+    return common.type == "parallel" and common is not a and common is not b
+
+
+def domain_of(
+    source: StateDraft, targets: Sequence[StateDraft], reenter: bool
+) -> StateDraft | None:
+    """The state whose inside a transition leaves; None without targets: then nothing is left.
+
+    SCXML's getTransitionDomain and findLCCA (W3C recommendation of 2015, appendix D). A target
+    inside a compound source leaves the source only where ``reenter`` is set.
+    """
+    if not targets:
+        return None
+    indices = [target.index for target in targets]
+    first, last = min(indices), max(indices)
+    within = source.index < first and last <= source.last
+    if within and (source.border or (source.type == "compound" and not reenter)):
+        return source
+    place = source
+    while place.parent is not None:
+        place = place.parent
+        if place.type == "compound" and place.index < first and last <= place.last:
+            return place
+    return place

@@ -1,0 +1,107 @@
+"""The compiled contents of states and transitions: actions, data, invocations and parameters.
+
+Both languages compile to these values, which the interpreter in :mod:`fsm.engine` runs. The
+protocol :class:`Runtime` is all that an action may use of the interpreter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from fsm.expressions.compiled import Compiled
+from fsm.host import BehaviorInfo, Host
+from fsm.values.types import Type
+from vencejo.errors import Where
+from vencejo.nodes import YamlNode
+
+EventFields = dict[str, Any]
+"""The fields of the event at hand; there are none where no event is."""
+Record = tuple[str, dict[str, Any]]
+"""Something that happened: its kind and its fields. Instances share some, so none is changed."""
+
+
+class Runtime(Protocol):
+    """The part of a running instance that its actions and guards may use."""
+
+    @property
+    def slots(self) -> list[Any]:
+        """The values of the instance, which compiled expressions read and assignments change."""
+
+    @property
+    def records(self) -> list[Record]:
+        """Everything that happened since the caller last replaced this list."""
+
+    @property
+    def host(self) -> Host:
+        """The host, which runs registered functions."""
+
+    def record(self, what: str, **fields: Any) -> None:
+        """Add to the records."""
+
+    def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
+        """Queue an event for this macrostep."""
+
+    def send(
+        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+    ) -> None:
+        """Queue an event for a later period, ``delay`` seconds from now, or for another vehicle."""
+
+    def cancel(self, id_: str) -> None:
+        """Take back what was sent with this id and is not due."""
+
+    def evaluate(self, compiled: Compiled, fields: EventFields, otherwise: Any) -> Any:
+        """The value of an expression. One that fails raises ``error.execution`` in the graph and
+        has the value ``otherwise``.
+        """
+
+    def run_actions(self, actions: Sequence[Action], fields: EventFields) -> None:
+        """Run a block of actions; when one fails, the rest of this block is skipped."""
+
+
+Run = Callable[[Runtime, EventFields], None]
+"""An action at work. Raises one of :data:`fsm.values.functions.FAILURES` when it fails."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Action:
+    """One step of an action block, ready to run."""
+
+    kind: str
+    where: Where
+    run: Run
+    node: YamlNode | None = None
+    """The value behind its word in the file, to show it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Data:
+    """A variable of a state."""
+
+    name: str
+    slot: int
+    type: Type
+    initial: Compiled
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Invocation:
+    """The ``do`` of a state."""
+
+    behavior: BehaviorInfo
+    with_: Mapping[str, Compiled]
+    live: Mapping[str, Compiled]
+    slot: int
+    """The slot of its published values; -1 when it publishes nothing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Given:
+    """A parameter of an included graph, filled whenever that is entered."""
+
+    name: str
+    slot: int
+    default: Any
+    with_: Compiled | None = None
+    live: Compiled | None = None

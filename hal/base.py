@@ -1,0 +1,207 @@
+"""What the backends have in common: orders, the validity of set-points, and what is not there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from math import inf
+from types import MappingProxyType
+from typing import Any, Generic, Self, TypeVar
+
+from hal.lights import Lights
+from hal.limits import Limits
+from hal.orders import Decision, Order, Orders
+from hal.vehicle import (
+    ACCEPTED,
+    PERIOD,
+    PERIODS_PER_SECOND,
+    VALIDITY,
+    Answer,
+    Camera,
+    Hold,
+    Observation,
+    Sensor,
+    Setpoint,
+    Unavailable,
+    VisionPose,
+    is_finite,
+)
+from vencejo.geometry import Point
+
+_EPSILON = 1e-9
+"""Seconds within which two times count as equal."""
+Decide = Callable[..., Decision]
+"""Carries out a verb, of its arguments, as far as that can be done at once."""
+
+
+class BaseVehicle:
+    """A vehicle to inherit from (see :class:`hal.vehicle.Vehicle`, and docs/backends.md).
+
+    Verbs and set-points are taken down, and carried out by :meth:`begin_period` within ``wait()``.
+    A verb without a decision, and cameras, sensors and vision poses unless a subclass offers them,
+    raise Unavailable.
+    """
+
+    capabilities: frozenset[str] = frozenset()
+    profiles: Mapping[str, Limits] = MappingProxyType({})
+
+    def __init__(self, name: str, decisions: Mapping[str, Decide]) -> None:
+        """``decisions``: what carries out each verb that the vehicle has."""
+        self.orders = Orders()
+        self._name = name
+        self._decisions = decisions
+        self._given: tuple[Setpoint, float] | None = None
+        """The set-point given since the last period, and the seconds for which it is valid."""
+        self._expires = inf
+        """When the set-point that is flown is not valid any more."""
+        self._seen: Observation | None = None
+
+    # What a subclass says of itself.
+
+    def refusal(self) -> str:
+        """Why it cannot fly a set-point now; empty when it can."""
+        return ""
+
+    def fly(self, setpoint: Setpoint) -> None:
+        """Follow a set-point from this period on."""
+        raise NotImplementedError
+
+    # The mission period.
+
+    def advance(self, now: float) -> None:
+        """Live through the mission period that ends at ``now``: ``begin_period``, whatever moves
+        it, ``end_period``. For vehicles of a BaseSession.
+        """
+        raise NotImplementedError
+
+    def begin_period(self, heard: bool = True) -> None:
+        """Carry out what it was told since the last period.
+
+        Where nothing was ``heard`` of that, only the validity of the last set-point runs out.
+        """
+        now = self._seen.time if self._seen else 0.0
+        if heard and self._given is not None:
+            (setpoint, valid_for), self._given = self._given, None
+            self._expires = inf if isinstance(setpoint, Hold) else now + valid_for
+            self.orders.end("ended by a command")
+            self.fly(setpoint)
+        elif now >= self._expires - _EPSILON:
+            self._expires = inf
+            if not self.refusal():
+                self.fly(Hold())
+        if heard:
+            for order in self.orders.take():
+                self._decide(order)
+
+    def _decide(self, order: Order) -> None:
+        decision = self._decisions[order.verb](*order.arguments)
+        if decision.state == "accepted":
+            self.orders.accept(order)
+            self._expires = inf
+        else:
+            order.state, order.reason = decision
+
+    def end_period(self, seen: Observation) -> None:
+        """What is known at the end of a period; orders that took too long are lost."""
+        self._seen = seen
+        self.orders.expire(seen.time)
+
+    # The contract.
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    def observe(self) -> Observation:
+        """See the contract. Raises RuntimeError before the first ``wait()``."""
+        if self._seen is None:
+            raise RuntimeError("nothing is known of a vehicle before the first wait()")
+        return self._seen
+
+    def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
+        """See the contract. Raises ValueError for numbers that are not finite."""
+        if not is_finite(setpoint):
+            raise ValueError(f"a set-point needs finite numbers: {setpoint}")
+        reason = self.refusal()
+        if reason:
+            return Answer(False, reason)
+        self.orders.supersede("ended by a command")
+        self._given = setpoint, valid_for
+        return ACCEPTED
+
+    def send(self, verb: str, *arguments: Any) -> Order:
+        """Send a verb. Raises Unavailable when the vehicle does not have it."""
+        if verb not in self._decisions:
+            raise Unavailable(f"the vehicle '{self._name}' cannot {verb.replace('_', ' ')}")
+        return self.orders.send(verb, *arguments)
+
+    def arm(self) -> Order:
+        return self.send("arm")
+
+    def disarm(self) -> Order:
+        return self.send("disarm")
+
+    def takeoff(self, altitude: float) -> Order:
+        return self.send("takeoff", altitude)
+
+    def land(self) -> Order:
+        return self.send("land")
+
+    def return_home(self) -> Order:
+        return self.send("return_home")
+
+    def emergency_stop(self) -> Order:
+        return self.send("emergency_stop")
+
+    def reset(self) -> Order:
+        return self.send("reset")
+
+    def trim(self) -> Order:
+        return self.send("trim")
+
+    def lights(self, lights: Lights) -> Order:
+        return self.send("lights", lights)
+
+    def configure(self, limits: Limits) -> Answer:
+        """Refuses: a vehicle without the capability ``limits`` has none to change."""
+        limits.given()
+        return Answer(False, f"the vehicle '{self._name}' has no limits to change")
+
+    def camera(self, name: str) -> Camera:
+        raise Unavailable(f"the vehicle '{self._name}' has no camera '{name}'")
+
+    def sensor(self, name: str) -> Sensor:
+        raise Unavailable(f"the vehicle '{self._name}' has no sensor '{name}'")
+
+    def send_vision_pose(self, pose: VisionPose) -> None:
+        raise Unavailable(f"the vehicle '{self._name}' takes no vision poses")
+
+
+V = TypeVar("V", bound=BaseVehicle)
+
+
+class BaseSession(Generic[V]):
+    """A session to inherit from (see :class:`hal.vehicle.Session`): it advances its vehicles by
+    one mission period with each ``wait``, as a simulator does.
+    """
+
+    engine = "none"
+    places: Mapping[str, Point] = MappingProxyType({})
+    geographic: tuple[float, float, float] | None = None
+
+    def __init__(self, vehicles: Iterable[V]) -> None:
+        self.vehicles: Mapping[str, V] = MappingProxyType({each.name: each for each in vehicles})
+        self.periods = 0
+        """Mission periods so far."""
+
+    def wait(self) -> float:
+        """See the contract."""
+        self.periods += 1
+        for vehicle in self.vehicles.values():
+            vehicle.advance(self.periods / PERIODS_PER_SECOND)
+        return PERIOD
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        """Nothing to close."""

@@ -1,0 +1,326 @@
+"""The flying loop: backend, pilots, recorder and watchers, one mission period at a time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import cache, partial
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+from platform import python_version
+from typing import Any, Protocol, Self
+
+from behaviors import MissionFrame, Pilot
+from behaviors.host_functions import set_limits
+from fsm.engine.instance import Record
+from fsm.values.functions import EvaluationError
+from hal import Limits, Options, Session, open_backend
+from runner.pace import Pace
+from runner.preparation import Prepared
+from runner.recorder import Recorder
+from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
+from vencejo.errors import UserError, VehicleError, Where
+from vencejo.geometry import Point, distance
+from vencejo.version import __version__
+from worlds import World
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """The mission of one vehicle, with its parameters."""
+
+    prepared: Prepared
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    """Values of the mission's parameters, as ``fsm.parse_parameters`` gives them."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A run as ordered: which vehicles fly what, all in one world.
+
+    Raises ValueError for no vehicle, and for missions that were prepared for different worlds.
+    """
+
+    assignments: Mapping[str, Assignment]
+    """By the vehicle's name, in the order in which the vehicles stand and take their turns."""
+    backend: str = "sim"
+    seed: int = 0
+    settings: Mapping[str, object] = field(default_factory=dict)
+    """What only that backend knows."""
+    address: str | None = None
+    """Where a real vehicle is reached."""
+    profile: str | None = None
+    """Limits of flight by a name that the vehicles know, as ``indoor``."""
+    limits: Limits = field(default_factory=Limits)
+    """Limits of flight that go over the profile's, altitudes above home."""
+
+    def __post_init__(self) -> None:
+        worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}
+        if len(worlds) != 1:
+            raise ValueError("a plan needs at least one vehicle, and all missions in one world")
+
+    @classmethod
+    def alone(
+        cls,
+        prepared: Prepared,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        backend: str = "sim",
+        seed: int = 0,
+        settings: Mapping[str, object] | None = None,
+    ) -> Self:
+        """A plan for a single vehicle."""
+        return cls({ALONE: Assignment(prepared, parameters or {})}, backend, seed, settings or {})
+
+    @property
+    def world(self) -> World:
+        return self._any.world
+
+    @property
+    def world_word(self) -> str:
+        """The name or path by which a backend finds that world."""
+        return self._any.world_word
+
+    @property
+    def _any(self) -> Prepared:
+        return next(iter(self.assignments.values())).prepared
+
+
+class Watcher(Protocol):
+    """Sees every period of every vehicle, in the order of the plan.
+
+    Looks through ``pilot.vehicle``: what is read through ``pilot.channel`` counts as read by the
+    mission and is recorded.
+    """
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None: ...
+
+
+class Stops(Protocol):
+    """Requests to stop: the first asks the missions, the second lands past them."""
+
+    @property
+    def count(self) -> int: ...
+
+
+@dataclass
+class _Craft:
+    """One vehicle of a run, with the figures that grow with its flight."""
+
+    pilot: Pilot
+    start: float
+    """When the run began, seconds of the session's clock."""
+    distance: float = 0.0
+    max_altitude: float = 0.0
+    failure: VehicleError | None = None
+    """Why it could not be brought down."""
+    _last: Point | None = None
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing left to do for it."""
+        return self.failure is not None or self.pilot.finished
+
+    def period(self, dt: float) -> None:
+        """Fly a mission period of ``dt`` seconds."""
+        try:
+            self.pilot.period(dt)
+        except VehicleError as error:
+            self.failure = error
+        channel = self.pilot.channel
+        position = channel.world.position
+        if self._last is not None:
+            self.distance += distance(self._last, position)
+        self.max_altitude = max(self.max_altitude, position.z - channel.frame.origin.z)
+        self._last = position
+
+    def lose(self, error: VehicleError) -> None:
+        """Its backend has failed: order the landing all the same."""
+        self.failure = error
+        self.pilot.land_now(error.faults[0].message, "failed")
+
+    def flown(self) -> Flown:
+        pilot = self.pilot
+        return Flown(
+            outcome=pilot.outcome or "failed",
+            reason=pilot.reason,
+            output=pilot.instance.output,
+            mission_time=pilot.channel.now - self.start,
+            distance=self.distance,
+            max_altitude=self.max_altitude,
+            battery=pilot.channel.observation.battery,
+            failure=self.failure.faults[0].message if self.failure else "",
+        )
+
+
+class _Log:
+    """The recorder of a run, if it has one, as long as it can write."""
+
+    def __init__(self, recorder: Recorder | None) -> None:
+        self._recorder = recorder
+        self.failure: UserError | None = None
+        """What keeps it from being written."""
+
+    def begin(self, header: Header, crafts: Iterable[_Craft]) -> None:
+        if self._recorder is not None:
+            self._recorder.begin(header)
+            for craft in crafts:
+                self._recorder.follow(craft.pilot)
+
+    def take(self, pilot: Pilot) -> list[Record]:
+        """The records of a pilot's period, written; none where they cannot be."""
+        if self._recorder is None or self.failure is not None:
+            records, pilot.instance.records = pilot.instance.records, []
+            return records
+        try:
+            return self._recorder.take(pilot)
+        except UserError as error:
+            self.failure = error
+            return []
+
+    def end(self) -> None:
+        """Make sure that everything is on disk. Raises UserError when something is not."""
+        if self.failure is not None:
+            raise self.failure
+        self.close()
+
+    def close(self) -> None:
+        if self._recorder is not None:
+            self._recorder.close()
+
+
+@dataclass(frozen=True)
+class _Never:
+    count: int = 0
+
+
+def fly(
+    plan: Plan,
+    record: Callable[[], Recorder] | None = None,
+    watchers: Sequence[Watcher] = (),
+    pace: Pace | None = None,
+    stops: Stops | None = None,
+) -> Summary:
+    """Fly a plan to its end: all vehicles in lockstep, each until its mission has ended and it is
+    down, or cannot be brought down.
+
+    ``record`` makes the recorder once nothing can keep the flight from starting any more.
+    ``stops`` asks every mission to stop, then lands every vehicle.
+    Raises VehicleError when a vehicle cannot be had, UserError when one cannot fly this, or, after
+    all have landed, when the flight could not be recorded. What fails later is in the summary.
+    """
+    pace, stops = pace or Pace(None), stops or _Never()
+    options = Options(
+        vehicles=tuple(plan.assignments),
+        world=plan.world_word,
+        seed=plan.seed,
+        address=plan.address,
+        settings=plan.settings,
+    )
+    known = versions()  # before the engine takes its memory: later it would be slower to get again
+    with open_backend(plan.backend, options) as session, ExitStack() as stack:
+        dt = session.wait()
+        crafts = [_craft(plan, session, name, dt) for name in session.vehicles]
+        header = _header(plan, session.engine)
+        log, answered, aloft = _Log(record() if record else None), 0, crafts
+        stack.callback(log.close)
+        log.begin(header, crafts)
+        began = time.perf_counter()
+        while aloft:
+            if stops.count > answered:
+                answered = stops.count
+                _stop(aloft, at_once=answered > 1)
+            for craft in aloft:
+                craft.period(dt)
+            _show(aloft, log, watchers)
+            if log.failure is not None:
+                # A flight nobody can read afterwards is of no use, but it is not left in the air.
+                _stop(aloft, at_once=True)
+            if pace.factor is not None:
+                pace.wait(aloft[0].pilot.channel.now, partial(_asked_more, stops, answered))
+            aloft = [craft for craft in aloft if not craft.over]
+            if aloft:
+                try:
+                    dt = session.wait()
+                except VehicleError as error:
+                    for craft in aloft:
+                        craft.lose(error)
+                    _show(aloft, log, watchers)
+                    break
+        log.end()
+        wall_time = time.perf_counter() - began
+        flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
+        return Summary(header, flown, wall_time, answered > 0, known)
+
+
+def _show(crafts: Iterable[_Craft], log: _Log, watchers: Iterable[Watcher]) -> None:
+    """Write down and show what the vehicles have just done."""
+    for craft in crafts:
+        records = log.take(craft.pilot)
+        for watcher in watchers:
+            watcher.show(craft.pilot, records)
+
+
+def _craft(plan: Plan, session: Session, name: str, dt: float) -> _Craft:
+    """A vehicle with its mission, about to begin with a period of ``dt`` seconds."""
+    vehicle, assignment = session.vehicles[name], plan.assignments[name]
+    seen = vehicle.observe()
+    frame = MissionFrame.at_start(seen, session.places, session.geographic)
+    graph, parameters = assignment.prepared.graph, assignment.parameters
+    pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed)
+    try:
+        set_limits(pilot.channel, plan.profile, **plan.limits.given())
+    except EvaluationError as error:
+        raise UserError("bad-limit", f"'{name}': {error}", Where("--limit")) from None
+    return _Craft(pilot, seen.time - dt)
+
+
+def _stop(crafts: Iterable[_Craft], *, at_once: bool) -> None:
+    """Ask every mission to stop, or land past them."""
+    for craft in crafts:
+        craft.pilot.land_now() if at_once else craft.pilot.abort()
+
+
+def _asked_more(stops: Stops, answered: int) -> bool:
+    return stops.count > answered
+
+
+def _header(plan: Plan, engine: str) -> Header:
+    return Header(
+        missions={name: _facts(flown) for name, flown in plan.assignments.items()},
+        world=plan.world.name,
+        world_sha256=plan.world.sha256,
+        seed=plan.seed,
+        backend=plan.backend,
+        engine=engine,
+        vencejo=__version__,
+    )
+
+
+def _facts(assignment: Assignment) -> MissionFacts:
+    first, *others = assignment.prepared.files
+    return MissionFacts(
+        name=assignment.prepared.graph.name,
+        sha256=_file_hash(first),
+        parameters=assignment.parameters,
+        files={file.relative_to(first.parent).as_posix(): _file_hash(file) for file in others},
+    )
+
+
+def _file_hash(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    return sha256(path.read_bytes()).hexdigest()
+
+
+@cache
+def versions() -> Mapping[str, str]:
+    """Versions of the packages that a run's result may depend on, and of Python."""
+    packages = ("transitions", "numpy", "opencv-python-headless", "pymavlink")
+    return {
+        "vencejo": __version__,
+        "python": python_version(),
+        **{package: version(package) for package in packages},
+    }

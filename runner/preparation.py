@@ -1,0 +1,160 @@
+"""Preparation of missions and fleets: from a file to a checked graph and the world it flies in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from behaviors import drone_vocabulary, load_all, trusted
+from behaviors.registry import Own
+from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
+from fsm.faults import Faults
+from fsm.host import Vocabulary
+from fsm.language.spec import StateSpec
+from runner.missions import Found
+from vencejo.errors import Fault, Where
+from vencejo.nodes import Scalar
+from worlds import World, find_world
+
+if TYPE_CHECKING:
+    # Most missions are YAML: what reads others is imported when there is one.
+    from fsm.scxml import Element
+
+DEFAULT_WORLD = "empty"
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A checked mission with the world it flies in."""
+
+    found: Found
+    spec: MissionSpec
+    graph: Graph
+    world: World
+    world_word: str
+    """The name or path by which a backend finds that world."""
+    files: tuple[Path, ...]
+    """Everything the flight depends on that a person wrote, the mission first."""
+
+
+def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Prepared:
+    """Read and check a mission; runs the Python files it uses, unless ``code`` is False.
+
+    Raises UserError with every fault that was found.
+    """
+    faults = Faults()
+    spec, document = _read(found, faults)
+    word, where = _world_word(spec.world, found.path.parent, world)
+    place: World | None = None
+    with faults.collecting():
+        place = find_world(word, where)
+    vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code)
+    if document is not None:
+        from fsm.scxml import load_document
+
+        graph = load_document(document, spec.name, vocabulary)
+        faults.raise_any()
+    else:
+        graph = compile_mission(spec, vocabulary, faults)
+        graph = replace(graph, warnings=(*graph.warnings, *prove(graph)))
+    assert place is not None, "a world that is not there is a fault"
+    files = (found.path, *_others(spec, found.path))
+    return Prepared(found, spec, graph, place, word, files)
+
+
+def check_fleet_file(
+    found: Found, world: str | None = None, *, code: bool = True
+) -> tuple[list[Fault], list[Graph]]:
+    """Every fault of a fleet and of its missions, and the graphs of those that have no error.
+
+    Fleets do not fly yet. Raises UserError when the fleet's own file or its world cannot be read.
+    """
+    from fsm.fleet import check_fleet, read_fleet
+
+    fleet, faults = read_fleet(found.path, found.shown_as)
+    place = find_world(*_world_word(fleet.world, found.path.parent, world))
+    graphs: dict[str, Graph] = {}
+    for member in fleet.members:
+        with faults.collecting():
+            found_here = Faults()
+            vocabulary = _vocabulary_of(
+                member.spec, member.path, place, found_here, code=code, peers=fleet.names
+            )
+            graph = compile_mission(member.spec, vocabulary, found_here)
+            graphs[member.name.text] = graph
+            faults.extend((*graph.warnings, *prove(graph)))
+    faults.extend(check_fleet(fleet, graphs))
+    # Two vehicles may fly one mission: its faults are told once.
+    return list(dict.fromkeys(faults)), list(graphs.values())
+
+
+def _read(found: Found, faults: Faults) -> tuple[MissionSpec, Element | None]:
+    """The mission as written; of a foreign SCXML document no more than its name, and its root."""
+    if found.path.suffix != ".scxml":
+        return read_mission(found.path, found.shown_as, faults), None
+    from fsm.scxml import import_mission, is_mission, read_document
+
+    document = read_document(found.path, found.shown_as)
+    if is_mission(document):
+        return import_mission(document, found.shown_as, found.path.parent), None
+    name = document.get("name") or found.path.stem
+    return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound")), document
+
+
+def _vocabulary_of(
+    spec: MissionSpec,
+    path: Path,
+    world: World | None,
+    faults: Faults,
+    *,
+    code: bool = True,
+    peers: Iterable[str] | None = None,
+) -> Vocabulary:
+    """The vocabulary of a mission: that of drones, and the Python files that its graphs use.
+
+    Runs those files; what is wrong with them goes to ``faults``. When they cannot be run, or with
+    ``code`` False must not, their behaviours are taken on trust. ``world`` is None when unknown.
+    """
+    files = [
+        (scalar, _path(graph, spec, path).parent)
+        for graph in spec.closure()
+        for scalar in graph.uses
+    ]
+    own: Own | None = None
+    if code:
+        with faults.collecting():
+            own = load_all(files)
+    if own is None:
+        own = trusted(files, faults)
+    return drone_vocabulary(own, world.places if world else None, peers)
+
+
+def _path(graph: MissionSpec, spec: MissionSpec, path: Path) -> Path:
+    """The path of a graph's file, from that of its mission: messages name both in the same way."""
+    return path.parent / PurePosixPath(graph.file).relative_to(PurePosixPath(spec.file).parent)
+
+
+def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
+    """The files that a mission includes and uses, each once."""
+    found: dict[Path, None] = {}
+    for graph in spec.closure():
+        file = _path(graph, spec, path)
+        found[file] = None
+        found.update(dict.fromkeys(file.parent / scalar.text for scalar in graph.uses))
+    del found[path]
+    yield from found
+
+
+def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
+    """The world to fly in, and the place that names it: ``--world``, or a file in ``folder``."""
+    if given is not None:
+        return given, Where("--world")
+    if named is None:
+        return DEFAULT_WORLD, None
+    word = named.text
+    if word.endswith((".yaml", ".yml")):
+        # A world's file is named from where the mission lies, not from where one happens to be.
+        return str(folder / word), named.where
+    return word, named.where

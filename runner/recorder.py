@@ -1,0 +1,156 @@
+"""The recorder: writes the run folder of a flight, in flight by appending only.
+
+``events.jsonl`` holds one JSON object a line and nothing of this machine or this moment, so that
+equal runs give equal bytes; runner/run_folder.py knows the formats.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+
+from behaviors import Pilot
+from fsm.engine.instance import Record
+from hal.vehicle import Frame, Observation
+from runner.appended_file import AppendedFile, as_json, encode, writing
+from runner.frames import FrameFiles
+from runner.run_folder import (
+    EVENTS,
+    SUMMARY,
+    TELEMETRY,
+    TELEMETRY_COLUMNS,
+    Header,
+    Summary,
+    entry_fields,
+    header_fields,
+    summary_fields,
+    telemetry_row,
+)
+from vencejo.errors import UserError, Where
+from worlds import World
+
+_ROWS_AT_ONCE = 40
+"""Rows of telemetry written together: what a killed run may lose is one second."""
+
+
+def new_folder(parent: Path, stamp: str, mission: str) -> Path:
+    """Make ``<parent>/<stamp>-<mission>[-n]``, a name nobody has. Raises UserError."""
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        for number in range(1, 10_000):
+            folder = parent / (f"{stamp}-{mission}" + (f"-{number}" if number > 1 else ""))
+            try:
+                folder.mkdir()
+            except FileExistsError:
+                continue
+            return folder
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError(
+            "no-run-folder", f"cannot make a run folder: {reason}", Where(str(parent)), "--runs-dir"
+        ) from None
+    raise UserError("no-run-folder", "too many runs of one second", Where(str(parent)))
+
+
+class Recorder:
+    """Appends what happens to the files of one run folder.
+
+    What cannot be written raises UserError (``cannot-record``).
+    """
+
+    def __init__(self, folder: Path, *, frames: bool = True) -> None:
+        """``frames``: whether the pictures that were read are kept."""
+        self.folder = folder
+        self._sequence = 0
+        self._rows: list[tuple[Observation, str, Sequence[str]]] = []
+        self._states: dict[str, Sequence[str]] = {}
+        """Paths of the active leaf states, by vehicle."""
+        self._frames = FrameFiles(folder) if frames else None
+        self._read: list[tuple[str, str, Frame]] = []
+        """Vehicle, camera and frame of what was read since it was last written."""
+        self._events = AppendedFile(folder / EVENTS)
+        self._telemetry = AppendedFile(folder / TELEMETRY)
+
+    def keep(self, files: Iterable[Path], base: Path) -> None:
+        """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
+        for path in files:
+            inside = path.is_relative_to(base)
+            copy = self.folder / (path.relative_to(base) if inside else path.name)
+            with writing(copy):
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, copy)
+
+    def keep_world(self, world: World) -> None:
+        """Copy a world and the files it names; a generated one is written down."""
+        self.keep(world.files, world.source.parent)
+        if not world.files:
+            copy = self.folder / f"{world.name}.yaml"
+            with writing(copy):
+                copy.write_text(world.text, "utf-8")
+
+    def begin(self, header: Header) -> None:
+        """Write the first lines of events and telemetry."""
+        self._events.append([encode(header_fields(header))])
+        self._telemetry.append([TELEMETRY_COLUMNS])
+
+    def follow(self, pilot: Pilot) -> None:
+        """Keep what the behaviours of this pilot will look at."""
+        if self._frames is not None:
+            pilot.channel.looked = partial(self._look, pilot.vehicle.name)
+
+    def _look(self, vehicle: str, camera: str, frame: Frame) -> None:
+        # Written after the period: a full disk is no failure of the behaviour that looked.
+        self._read.append((vehicle, camera, frame))
+
+    def take(self, pilot: Pilot) -> list[Record]:
+        """Write one period of a pilot: its records, now empty, and a row of telemetry."""
+        records = pilot.instance.records
+        seen = pilot.channel.world
+        vehicle = pilot.vehicle.name
+        if records:
+            pilot.instance.records = []
+            lines = []
+            for kind, fields in records:
+                entry = entry_fields(self._sequence, seen.time, vehicle, kind, fields)
+                lines.append(encode(entry))
+                self._sequence += 1
+            self._events.append(lines)
+            self._states[vehicle] = pilot.instance.paths()
+        # Formatted many at a time: one by one they would take twice as long.
+        self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
+        if len(self._rows) == _ROWS_AT_ONCE:
+            self._write_rows()
+        if self._read:
+            self._write_frames()
+        return records
+
+    def _write_rows(self) -> None:
+        rows, self._rows = self._rows, []
+        self._telemetry.append([telemetry_row(*row) for row in rows])
+
+    def _write_frames(self) -> None:
+        read, self._read = self._read, []
+        if self._frames is not None:
+            for frame in read:
+                self._frames.write(*frame)
+
+    def close(self) -> None:
+        """Everything is on disk after this; closing again does nothing."""
+        with ExitStack() as stack:
+            for file in (self._frames, self._telemetry, self._events):
+                if file is not None:
+                    stack.callback(file.close)
+            if self._rows:
+                self._write_rows()
+            self._write_frames()
+
+    def write_summary(self, summary: Summary) -> None:
+        """Write how the run ended, for people to read too."""
+        fields = summary_fields(summary, self.folder)
+        text = json.dumps(fields, indent=2, ensure_ascii=False, default=as_json)
+        with writing(self.folder / SUMMARY):
+            (self.folder / SUMMARY).write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,552 @@
+"""The run folder: the files that a flight leaves behind, and a reader of them.
+
+This is the one place that knows the formats; docs/runs.md describes them for people. The recorder
+writes what is encoded here, and :func:`read_run` gives it back, also of a run that was killed: its
+files are only appended to in flight, so no more than their last lines can be cut off. The version
+that the first line of ``events.jsonl`` names is that of all files but ``frames.jsonl``, which names
+its own.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+from hal.vehicle import Frame, Intrinsics, Observation
+from vencejo.errors import UserError, Where
+from vencejo.geometry import Point, Quaternion, roll_pitch_of
+
+EVENTS, TELEMETRY, FRAMES, SUMMARY = "events.jsonl", "telemetry.csv", "frames.jsonl", "summary.json"
+EVENTS_FORMAT, EVENTS_VERSION = "vencejo.events", 1
+FRAMES_FORMAT, FRAMES_VERSION = "vencejo.frames", 1
+TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
+_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
+ALONE = "drone"
+"""The name of a vehicle that flies alone: its run's header and summary need not name it."""
+SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, INTERRUPTED = 0, 1, 3, 130
+"""Exit codes of runs that have flown."""
+Line = TypeVar("Line")
+Read = TypeVar("Read")
+
+
+@dataclass(frozen=True)
+class MissionFacts:
+    """The mission that one vehicle flies."""
+
+    name: str
+    sha256: str
+    """Of the mission's own file, hexadecimal."""
+    parameters: Mapping[str, Any]
+    files: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256 of the files that the mission includes and uses, by path from its folder."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """Everything that decides how a run goes."""
+
+    missions: Mapping[str, MissionFacts]
+    """By the name of the vehicle that flies it."""
+    world: str
+    world_sha256: str
+    seed: int
+    backend: str
+    engine: str
+    """What moves the vehicles, with its version."""
+    vencejo: str
+    """The version that flew it."""
+
+
+@dataclass(frozen=True)
+class LogEntry:
+    """One line of ``events.jsonl``; docs/runs.md lists the kinds and their fields."""
+
+    sequence: int
+    time: float
+    """Seconds of the vehicle's clock."""
+    vehicle: str
+    kind: str
+    fields: Mapping[str, Any]
+
+
+class Sample(NamedTuple):
+    """One row of ``telemetry.csv``: where a vehicle was at the end of a mission period."""
+
+    time: float
+    """Seconds of the vehicle's clock."""
+    position: Point
+    """World frame, metres."""
+    velocity: Point
+    """World frame, m/s."""
+    roll: float
+    """Radians, as pitch and yaw."""
+    pitch: float
+    yaw: float
+    """Counter-clockwise from east."""
+    battery: float
+    """Charge left, 0 to 1."""
+    mode: str
+    states: tuple[str, ...]
+    """Paths of the active leaf states of its mission; none once it has ended."""
+
+
+@dataclass(frozen=True)
+class RecordedFrame:
+    """A picture that a behaviour has read, and what is needed to measure in it."""
+
+    path: Path
+    """The JPEG."""
+    vehicle: str
+    camera: str
+    sequence: int
+    time: float
+    """When it was taken, seconds of the vehicle's clock."""
+    position: Point
+    """Of the camera, world frame, metres."""
+    attitude: Quaternion
+    """Camera optical frame (x right, y down, z out) to world, (x, y, z, w)."""
+    intrinsics: Intrinsics
+
+
+@dataclass(frozen=True)
+class Flown:
+    """How the flight of one vehicle ended."""
+
+    outcome: str
+    reason: str
+    """Why the mission was ended from outside; empty when it ended by itself."""
+    output: Mapping[str, Any]
+    """The fields that the mission's final state gave."""
+    mission_time: float
+    """Seconds of the vehicle's clock from the start of the run to its end."""
+    distance: float
+    """Length of the path, metres."""
+    max_altitude: float
+    """Above home, metres."""
+    battery: float
+    """Charge left, 0 to 1."""
+    failure: str = ""
+    """What became of a vehicle that could not be brought down; empty when it was."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """How a run ended, and what it depended on."""
+
+    header: Header
+    vehicles: Mapping[str, Flown]
+    """By name, in the order of the header."""
+    wall_time: float
+    """Seconds from the first step to the last byte of events and telemetry."""
+    interrupted: bool
+    """Whether somebody asked it to stop."""
+    versions: Mapping[str, str]
+    """Of what the result may depend on, by package."""
+
+    @property
+    def alone(self) -> Flown:
+        """The flight of the only vehicle. Raises ValueError when there are several."""
+        (flown,) = self.vehicles.values()
+        return flown
+
+    @property
+    def mission_time(self) -> float:
+        """Seconds until the last vehicle was down."""
+        return max(flown.mission_time for flown in self.vehicles.values())
+
+    @property
+    def exit_code(self) -> int:
+        """0 when every mission ended in ``done``, 3 when a vehicle or its link failed, 130 when
+        interrupted, else 1.
+        """
+        if any(flown.failure for flown in self.vehicles.values()):
+            return VEHICLE_FAILED
+        if self.interrupted:
+            return INTERRUPTED
+        done = all(flown.outcome == "done" for flown in self.vehicles.values())
+        return SUCCESS if done else OTHER_OUTCOME
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run folder, read."""
+
+    folder: Path
+    header: Header
+    events: tuple[LogEntry, ...]
+    telemetry: Mapping[str, tuple[Sample, ...]]
+    """By vehicle, in the order of time: one sample each mission period (25 ms)."""
+    frames: tuple[RecordedFrame, ...]
+    """In the order in which they were read."""
+    summary: Summary | None
+    """None of a run that did not end."""
+    missing: tuple[str, ...]
+    """What is not there or cut off, in plain words: of a run that was killed or still flies."""
+
+
+def header_fields(header: Header) -> dict[str, Any]:
+    """The first line of ``events.jsonl``, as an object for JSON."""
+    vehicles = {
+        vehicle: {
+            "mission": mission.name,
+            "mission_sha256": mission.sha256,
+            **({"files_sha256": dict(mission.files)} if mission.files else {}),
+            "parameters": dict(mission.parameters),
+        }
+        for vehicle, mission in header.missions.items()
+    }
+    run = {
+        "format": EVENTS_FORMAT,
+        "version": EVENTS_VERSION,
+        "world": header.world,
+        "world_sha256": header.world_sha256,
+        "seed": header.seed,
+        "backend": header.backend,
+        "engine": header.engine,
+        "vencejo": header.vencejo,
+    }
+    return _joined(vehicles, run, _HEADER_ORDER)
+
+
+_HEADER_ORDER = (
+    *("format", "version", "mission", "mission_sha256", "files_sha256", "vehicles", "world"),
+    *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo"),
+)
+
+
+def _joined(
+    vehicles: Mapping[str, Mapping[str, Any]], run: Mapping[str, Any], order: Sequence[str]
+) -> dict[str, Any]:
+    """The fields of a run and its vehicles; those of one that flies alone stand among the run's."""
+    fields = {**(vehicles[ALONE] if list(vehicles) == [ALONE] else {"vehicles": vehicles}), **run}
+    return {name: fields[name] for name in order if name in fields}
+
+
+def _vehicles(fields: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
+    """The fields of each vehicle, from those of a run."""
+    vehicles: Mapping[str, Mapping[str, Any]] = fields.get("vehicles", {ALONE: fields})
+    return vehicles
+
+
+def entry_fields(
+    sequence: int, time: float, vehicle: str, kind: str, fields: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Any other line of ``events.jsonl``, as an object for JSON."""
+    return {"seq": sequence, "t": time, "vehicle": vehicle, "kind": kind, **fields}
+
+
+def telemetry_row(seen: Observation, vehicle: str, states: Sequence[str]) -> str:
+    """A row of ``telemetry.csv`` without its end; ``seen`` is of the world frame."""
+    roll, pitch = roll_pitch_of(seen.attitude)
+    place = (seen.time, _cell(vehicle), *seen.position, *seen.velocity)
+    mode, state = _cell(seen.mode), _cell("|".join(states))
+    return _ROW % (*place, roll, pitch, seen.yaw, seen.battery, mode, state)
+
+
+@lru_cache(maxsize=256)
+def _cell(text: str) -> str:
+    """A text in one cell of a line of CSV (RFC 4180): an autopilot may call its mode anything."""
+    text = text.replace("\r", " ").replace("\n", " ")
+    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
+
+
+def frames_header() -> dict[str, Any]:
+    """The first line of ``frames.jsonl``, as an object for JSON."""
+    return {"format": FRAMES_FORMAT, "version": FRAMES_VERSION}
+
+
+def frame_file(vehicle: str, camera: str, frame: Frame) -> str:
+    """The path of a picture, from the run folder."""
+    return f"frames/{vehicle}/{camera}/{frame.sequence:06d}.jpg"
+
+
+def frame_fields(
+    vehicle: str, camera: str, frame: Frame, *, with_intrinsics: bool
+) -> dict[str, Any]:
+    """Any other line of ``frames.jsonl``, as an object for JSON; ``frame`` is of the world frame.
+
+    Intrinsics stand in the first line of each camera and where they have changed.
+    """
+    return {
+        "t": frame.time,
+        "vehicle": vehicle,
+        "camera": camera,
+        "sequence": frame.sequence,
+        "file": frame_file(vehicle, camera, frame),
+        "position": frame.position,
+        "attitude": frame.attitude,
+        **({"intrinsics": asdict(frame.intrinsics)} if with_intrinsics else {}),
+    }
+
+
+def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
+    """The object that ``summary.json`` holds and ``drone-cli run --json`` prints, rounded."""
+    header, wall = summary.header, summary.wall_time
+    vehicles = {
+        vehicle: {
+            "mission": header.missions[vehicle].name,
+            **_flown_fields(flown),
+            "parameters": dict(header.missions[vehicle].parameters),
+        }
+        for vehicle, flown in summary.vehicles.items()
+    }
+    run = {
+        "success": summary.exit_code == SUCCESS,
+        "exit_code": summary.exit_code,
+        "mission_time_s": round(summary.mission_time, 6),
+        "wall_time_s": round(wall, 4),
+        "realtime_factor": round(summary.mission_time / wall, 1) if wall > 0 else None,
+        "world": header.world,
+        "seed": header.seed,
+        "backend": header.backend,
+        "engine": header.engine,
+        "versions": dict(summary.versions),
+        "run_folder": str(folder) if folder else None,
+    }
+    return _joined(vehicles, run, _SUMMARY_ORDER)
+
+
+_SUMMARY_ORDER = (
+    *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
+    *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
+    *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
+    *("versions", "run_folder"),
+)
+"""For people: how it ended comes first."""
+
+
+def _flown_fields(flown: Flown) -> dict[str, Any]:
+    return {
+        "outcome": flown.outcome,
+        "reason": flown.reason or None,
+        "output": dict(flown.output),
+        "mission_time_s": round(flown.mission_time, 6),
+        "distance_m": round(flown.distance, 2),
+        "max_altitude_m": round(flown.max_altitude, 2),
+        "battery_left": round(flown.battery, 4),
+        **({"failure": flown.failure} if flown.failure else {}),
+    }
+
+
+def read_run(folder: Path | str) -> Run:
+    """Read a run folder, also of a run that was killed.
+
+    Raises UserError: ``no-run`` for what is no run folder, ``unknown-run-format`` for files of
+    another program or version, ``damaged-run`` for a line that no recorder has written.
+    """
+    folder = Path(folder)
+    missing: list[str] = []
+    lines = _lines(folder / EVENTS, missing)
+    if not lines:
+        message = f"'{folder}' is no run folder: {missing[0]}"
+        raise UserError("no-run", message, Where(str(folder)), "name one of `runs/`")
+    header = _header(folder / EVENTS, lines[0])
+    return Run(
+        folder=folder,
+        header=header,
+        events=tuple(_each(folder / EVENTS, lines[1:], _entry)),
+        telemetry=_telemetry(folder / TELEMETRY, missing),
+        frames=tuple(_frames(folder, missing)),
+        summary=_summary(folder / SUMMARY, header, missing),
+        missing=tuple(missing),
+    )
+
+
+def _lines(path: Path, missing: list[str]) -> list[bytes]:
+    """The whole lines of a file; what it lacks goes to ``missing``. Raises UserError."""
+    try:
+        *whole, rest = path.read_bytes().split(b"\n")
+    except (FileNotFoundError, NotADirectoryError):
+        missing.append(f"{path.name} is not there")
+        return []
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError("no-run", f"this file cannot be read: {reason}", Where(str(path))) from None
+    if rest:
+        missing.append(_cut(path))
+    elif not whole:
+        missing.append(f"{path.name} is empty")
+    return whole
+
+
+def _cut(path: Path) -> str:
+    return f"the last line of {path.name} is cut off"
+
+
+def _each(
+    path: Path, lines: Iterable[Line], read: Callable[[Line], Read], first: int = 2
+) -> list[Read]:
+    """All lines read; ``first`` is the number of the first. Raises UserError with the place."""
+    found: list[Read] = []
+    for number, line in enumerate(lines, first):
+        try:
+            found.append(read(line))
+        except KeyError as error:
+            raise _damaged(path, number, 1, f"{error} is missing in this line") from None
+        except (AttributeError, TypeError, ValueError, csv.Error) as error:
+            column = error.colno if isinstance(error, json.JSONDecodeError) else 1
+            raise _damaged(path, number, column, f"this line cannot be read: {error}") from None
+    return found
+
+
+def _damaged(path: Path, line: int, column: int, message: str) -> UserError:
+    hint = "the file was changed after the flight; take it from a copy, or fly again"
+    return UserError("damaged-run", message, Where(str(path), line, column), hint)
+
+
+def _known_format(path: Path, line: bytes, format_: str, version: int) -> dict[str, Any]:
+    """The first line of a file of lines of JSON. Raises UserError when it is of another format."""
+    try:
+        fields = json.loads(line)
+        found = fields["format"], fields["version"]
+    except (KeyError, TypeError, ValueError):
+        fields, found = {}, (None, None)
+    if found == (format_, version):
+        return dict(fields)
+    if found[0] == format_:
+        message = f"this is version {found[1]} of the format '{format_}'; known is {version}"
+        hint = "read it with the release of vencejo that flew it"
+    else:
+        message, hint = f"the first line does not say that this is '{format_}'", None
+    raise UserError("unknown-run-format", message, Where(str(path), 1, 1), hint)
+
+
+def _header(path: Path, line: bytes) -> Header:
+    fields = _known_format(path, line, EVENTS_FORMAT, EVENTS_VERSION)
+    (header,) = _each(path, [fields], _header_of, first=1)
+    return header
+
+
+def _header_of(fields: Mapping[str, Any]) -> Header:
+    return Header(
+        missions={
+            vehicle: MissionFacts(
+                name=mission["mission"],
+                sha256=mission["mission_sha256"],
+                parameters=mission["parameters"],
+                files=mission.get("files_sha256", {}),
+            )
+            for vehicle, mission in _vehicles(fields).items()
+        },
+        world=fields["world"],
+        world_sha256=fields["world_sha256"],
+        seed=fields["seed"],
+        backend=fields["backend"],
+        engine=fields["engine"],
+        vencejo=fields["vencejo"],
+    )
+
+
+def _object(line: bytes) -> dict[str, Any]:
+    found = json.loads(line)
+    if not isinstance(found, dict):
+        raise ValueError("it is no object")
+    return found
+
+
+def _entry(line: bytes) -> LogEntry:
+    fields = _object(line)
+    sequence, time = fields.pop("seq"), fields.pop("t")
+    return LogEntry(sequence, time, fields.pop("vehicle"), fields.pop("kind"), fields)
+
+
+def _telemetry(path: Path, missing: list[str]) -> dict[str, tuple[Sample, ...]]:
+    lines = _lines(path, missing)
+    if not lines:
+        return {}
+    if lines[0].decode("utf-8", "replace") != TELEMETRY_COLUMNS:
+        message = f"its columns are not {TELEMETRY_COLUMNS}"
+        raise UserError("unknown-run-format", message, Where(str(path), 1, 1))
+    found: dict[str, list[Sample]] = {}
+    for vehicle, sample in _each(path, lines[1:], _sample):
+        found.setdefault(vehicle, []).append(sample)
+    return {vehicle: tuple(samples) for vehicle, samples in found.items()}
+
+
+def _sample(line: bytes) -> tuple[str, Sample]:
+    """A vehicle's name and its sample."""
+    (cells,) = csv.reader([line.decode()], strict=True)
+    columns = TELEMETRY_COLUMNS.count(",") + 1
+    if len(cells) != columns:
+        raise ValueError(f"it has {len(cells)} columns, not {columns}")
+    time, vehicle, *numbers, mode, state = cells
+    x, y, z, vx, vy, vz, roll, pitch, yaw, battery = map(float, numbers)
+    position, velocity = Point(x, y, z), Point(vx, vy, vz)
+    states = tuple(state.split("|")) if state else ()
+    return vehicle, Sample(float(time), position, velocity, roll, pitch, yaw, battery, mode, states)
+
+
+def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
+    path = folder / FRAMES
+    if not path.exists():
+        return []  # a flight that reads no pictures leaves no such file
+    lines = _lines(path, missing)
+    if not lines:
+        return []
+    _known_format(path, lines[0], FRAMES_FORMAT, FRAMES_VERSION)
+    last: dict[tuple[str, str], Intrinsics] = {}
+
+    def read(line: bytes) -> RecordedFrame:
+        fields = _object(line)
+        vehicle, camera = fields["vehicle"], fields["camera"]
+        if "intrinsics" in fields:
+            given = Intrinsics(**fields["intrinsics"])
+            last[vehicle, camera] = replace(given, distortion=tuple(given.distortion))
+        if (vehicle, camera) not in last:
+            raise KeyError("intrinsics")
+        x, y, z, w = fields["attitude"]
+        return RecordedFrame(
+            path=folder / fields["file"],
+            vehicle=vehicle,
+            camera=camera,
+            sequence=fields["sequence"],
+            time=fields["t"],
+            position=Point(*fields["position"]),
+            attitude=(x, y, z, w),
+            intrinsics=last[vehicle, camera],
+        )
+
+    frames = _each(path, lines[1:], read)
+    lost = sum(not frame.path.exists() for frame in frames)
+    if lost:
+        missing.append(f"{lost} of {len(frames)} pictures are not there")
+    return frames
+
+
+def _summary(path: Path, header: Header, missing: list[str]) -> Summary | None:
+    lacks: list[str] = []
+    try:
+        fields = json.loads(b"\n".join(_lines(path, lacks)))
+    except ValueError:
+        missing += lacks or [_cut(path)]  # the program ended before it was written, or while
+        return None
+    (summary,) = _each(path, [fields], lambda fields: _summary_of(fields, header), first=1)
+    return summary
+
+
+def _summary_of(fields: Mapping[str, Any], header: Header) -> Summary:
+    return Summary(
+        header=header,
+        vehicles={vehicle: _flown_of(flown) for vehicle, flown in _vehicles(fields).items()},
+        wall_time=fields["wall_time_s"],
+        interrupted=fields["exit_code"] == INTERRUPTED,
+        versions=fields["versions"],
+    )
+
+
+def _flown_of(fields: Mapping[str, Any]) -> Flown:
+    return Flown(
+        outcome=fields["outcome"],
+        reason=fields["reason"] or "",
+        output=fields["output"],
+        mission_time=fields["mission_time_s"],
+        distance=fields["distance_m"],
+        max_altitude=fields["max_altitude_m"],
+        battery=fields["battery_left"],
+        failure=fields.get("failure", ""),
+    )

@@ -1,0 +1,109 @@
+"""Helpers for tests of missions: fly one in the simulator and look at how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from behaviors import Pilot, drone_vocabulary
+from fsm import (
+    Graph,
+    Vocabulary,
+    compile_mission,
+    parse_parameters,
+    read_mission,
+    read_mission_text,
+)
+from fsm.engine.instance import Record
+from runner import missions
+from runner.loop import Plan, fly
+from runner.preparation import prepare
+from vencejo.geometry import Point, distance
+
+
+@dataclass
+class MissionFlight:
+    """The course of a flight; positions in the mission frame."""
+
+    outcome: str = ""
+    reason: str = ""
+    output: Mapping[str, Any] = field(default_factory=dict)
+    time: float = 0.0
+    """Seconds from the first period to the last."""
+    states: list[str] = field(default_factory=list)
+    """Paths of the leaf states, in the order in which they were entered."""
+    track: list[tuple[float, Point]] = field(default_factory=list)
+    """Time and place, every mission period."""
+    records: list[tuple[float, str, dict[str, Any]]] = field(default_factory=list)
+    """Time, kind and fields of everything that was logged."""
+
+    @property
+    def end(self) -> Point:
+        return self.track[-1][1]
+
+    @property
+    def highest(self) -> float:
+        return max(place.z for _, place in self.track)
+
+    def nearest(self, place: tuple[float, float, float]) -> float:
+        """The least distance to a place during the flight, metres."""
+        return min(distance(point, place) for _, point in self.track)
+
+
+class _Watch:
+    def __init__(self, flight: MissionFlight, post: Mapping[float, str]) -> None:
+        self.flight = flight
+        self.post = sorted(post.items())
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        now = pilot.channel.now
+        while self.post and self.post[0][0] <= now:
+            pilot.instance.post(self.post.pop(0)[1])
+        self.flight.track.append((now, pilot.channel.observation.position))
+        for kind, fields in records:
+            self.flight.records.append((now, kind, fields))
+            if kind == "enter" and not pilot.instance.graph.by_path[fields["state"]].children:
+                self.flight.states.append(fields["state"])
+
+
+def graph_of(source: str | Path, vocabulary: Vocabulary | None = None) -> Graph:
+    """The graph of a mission given by path or name, or by its text (which has several lines).
+
+    Raises UserError like `drone-cli check`.
+    """
+    text = str(source)
+    if "\n" in text:
+        return compile_mission(read_mission_text(text), vocabulary or drone_vocabulary())
+    found = missions.find(text)
+    if vocabulary is None:
+        return prepare(found).graph
+    return compile_mission(read_mission(found.path, found.shown_as), vocabulary)
+
+
+def fly_mission(
+    mission: str | Path,
+    parameters: Mapping[str, str] | None = None,
+    *,
+    world: str | None = None,
+    seed: int = 0,
+    noise: float = 0.0,
+    post: Mapping[float, str] | None = None,
+    watch: Callable[[Graph], None] | None = None,
+) -> MissionFlight:
+    """Fly a mission in the simulator, without files or pacing.
+
+    ``parameters`` are texts as after ``-p``; ``post`` says at which second which event comes from
+    outside; ``watch`` is given the graph before it flies. Raises UserError like the command line.
+    """
+    prepared = prepare(missions.find(str(mission)), world)
+    if watch:
+        watch(prepared.graph)
+    values = parse_parameters(prepared.graph, parameters or {})
+    flight = MissionFlight()
+    plan = Plan.alone(prepared, values, seed=seed, settings={"noise": noise})
+    flown = fly(plan, watchers=[_Watch(flight, post or {})]).alone
+    flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
+    flight.time = round(flown.mission_time, 6)
+    return flight

@@ -1,0 +1,163 @@
+"""Whose hands: several behaviours at work at once, and what each of them may do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from behaviors import Behavior, BehaviorParams, describe, param
+from hal import Lights
+from hal.vehicle import Hold, Velocity
+from tests.behaviors.flying import Rig
+
+TWO = """
+mission: two
+states:
+  takeoff: {do: takeoff, with: {altitude: 3 m}, on: {done: fly}}
+  fly:
+    do: COMPANION
+    on: {HANDLERS}
+    states:
+      go: {do: move, with: {forward: 2 m/s}, after: {2 s: rest}}
+      rest: {after: {1 s: land}}
+  land: {do: land, on: {done: finish}}
+  finish: {type: final}
+"""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """Who rang."""
+
+    by: str = ""
+
+
+@dataclass(frozen=True)
+class Count:
+    """How often it was stepped."""
+
+    steps: int = 0
+
+
+class _Companion(Behavior):
+    """Runs beside what flies."""
+
+    outcomes: Mapping[str, type | None] = {}  # type: ignore[misc]
+    controls = ()
+
+    def step(self, flight: Any) -> None:
+        return None
+
+
+class Meddler(_Companion):
+    """Commands motion, though it controls none."""
+
+    def step(self, flight: Any) -> None:
+        flight.command(Velocity(x=-3.0))
+
+
+class Ringer(_Companion):
+    """Publishes in every step, and raises and publishes when it is stopped."""
+
+    class Params(BehaviorParams):
+        """Its name."""
+
+        word: str = param("ringer")
+
+    events: Mapping[str, type | None] = {"bell.rung": Rung}  # type: ignore[misc]
+    publishes = Count
+
+    def start(self, flight: Any, progress: Any = None) -> None:
+        self.steps = 0
+
+    def step(self, flight: Any) -> None:
+        self.steps += 1
+        flight.publish(Count(self.steps))
+
+    def progress(self) -> dict[str, Any]:
+        return {"steps": self.steps}
+
+    def stop(self, flight: Any) -> None:
+        flight.publish(Count(-1))
+        flight.raise_event("bell.rung", Rung(self.params.word))
+
+
+class Lamp(_Companion):
+    """Shows a light."""
+
+    controls = ("lights",)
+
+    def start(self, flight: Any, progress: Any = None) -> None:
+        flight.lights(Lights("solid", "blue"))
+
+
+class Last(Behavior):
+    """Commands when it is stopped, which it may not."""
+
+    outcomes: Mapping[str, type | None] = {}  # type: ignore[misc]
+
+    def step(self, flight: Any) -> None:
+        return None
+
+    def stop(self, flight: Any) -> None:
+        flight.command(Velocity(x=9.0))
+
+
+OWN = {info.name: info for info in map(describe, (Meddler, Ringer, Lamp, Last))}
+
+
+def two(companion: str, handlers: str) -> str:
+    """A mission whose state ``fly`` has a companion and these transitions for ``on``."""
+    return TWO.replace("COMPANION", companion).replace("HANDLERS", handlers)
+
+
+def logged(rig: Rig) -> list[str]:
+    return [fields["text"] for kind, fields in rig.records if kind == "log"]
+
+
+def test_a_companion_that_commands_has_failed_and_moves_nothing() -> None:
+    rig = Rig(two("meddler", "failed: land"), own=OWN)
+    rig.until_in("fly")
+    rig.run(30)
+    assert rig.pilot.outcome == "done" and "land" in rig.states
+    assert all(command != Velocity(x=-3.0) for command in rig.vehicle.commands)
+    told = [f for kind, f in rig.records if kind == "event" and f["name"] == "failed"]
+    assert "does not control motion" in told[0]["fields"]["reason"]
+
+
+def test_what_one_raises_and_publishes_in_its_stop_is_its_own() -> None:
+    text = two("ringer", 'bell.rung: {actions: {log: "rung by $event.by"}}')
+    text = text.replace("fly:\n", "fly:\n    as: outer\n")
+    text = text.replace("do: move", "do: ringer, as: inner").replace(
+        "with: {forward: 2 m/s}", 'with: {word: inner}, throughout: {log: "${outer.steps}"}'
+    )
+    rig = Rig(text, own=OWN)
+    rig.until_in("fly.rest")
+    # The inner one was stopped: the event is its own, and the outer one's values are untouched.
+    assert rig.pilot.instance.outcome is None
+    counts = [int(text) for text in logged(rig)]
+    assert counts == list(range(len(counts)))
+    rig.period()
+    assert logged(rig)[-1] == "rung by inner"
+    rig.run(30)
+    assert rig.pilot.outcome == "done"
+    assert not [fields for kind, fields in rig.records if kind == "error"]
+
+
+def test_lights_are_controlled_beside_motion() -> None:
+    rig = Rig(two("lamp", "failed: land"), own=OWN)
+    rig.run(40)
+    assert rig.pilot.outcome == "done"
+    assert rig.vehicle.shown == [Lights("solid", "blue")]
+    assert Velocity(x=2.0, frame="heading") in rig.vehicle.commands
+
+
+def test_a_command_in_a_stop_is_an_error_and_not_flown() -> None:
+    text = two("", 'error.execution: {actions: {log: "$event.message"}}')
+    text = text.replace("do: \n    ", "")
+    rig = Rig(text.replace("do: move, with: {forward: 2 m/s}", "do: last"), own=OWN)
+    rig.run(40)
+    assert rig.pilot.outcome == "done"
+    assert ["being stopped" in text for text in logged(rig)] == [True]
+    assert all(command in (Hold(),) for command in rig.vehicle.commands)

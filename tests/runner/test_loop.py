@@ -1,0 +1,190 @@
+"""The flying loop with several vehicles, in the simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from behaviors import Pilot
+from cli.flight_plot import draw, stretches
+from fsm import parse_parameters
+from fsm.engine.instance import Record
+from runner import (
+    Assignment,
+    Plan,
+    Prepared,
+    Recorder,
+    fly,
+    missions,
+    prepare,
+    read_run,
+)
+from runner.run_folder import summary_fields
+from vencejo.errors import UserError
+
+HOP = """\
+mission: hop
+parameters: {height: 1 m}
+states:
+  up: {do: takeoff, with: {altitude: $height}, on: {done: down}}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+WAIT = """\
+mission: wait
+states:
+  up: {do: takeoff, with: {altitude: 2 m}, on: {done: stay}}
+  stay: {do: hover, after: {3 s: down}}
+  down: {do: land, on: {done: over}}
+  over: {type: final, outcome: given_up, output: {seconds: 3}}
+"""
+LONG = WAIT.replace("{3 s:", "{30 s:")
+
+
+def prepared(folder: Path, text: str, world: str | None = None) -> Prepared:
+    path = folder / f"{text.split()[1]}.yaml"
+    path.write_text(text)
+    return prepare(missions.find(str(path)), world)
+
+
+def two(folder: Path, *texts: str) -> Plan:
+    """The cat flies the first mission, the mouse the second."""
+    cat, mouse = (prepared(folder, text) for text in texts)
+    values = parse_parameters(cat.graph, {"height": "1.5 m"} if "height" in texts[0] else {})
+    return Plan({"cat": Assignment(cat, values), "mouse": Assignment(mouse)}, seed=5)
+
+
+class Witness:
+    """Remembers who was shown, period by period, and may ask all to stop."""
+
+    def __init__(self, stop_at: float | None = None, times: int = 1) -> None:
+        self.shown: list[tuple[float, str, float]] = []
+        self.kinds: list[tuple[str, str]] = []
+        self.count = 0
+        self._stop_at = stop_at
+        self._times = times
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        seen = pilot.channel.world
+        self.shown.append((seen.time, pilot.vehicle.name, seen.position.z))
+        self.kinds += [(pilot.vehicle.name, kind) for kind, _ in records]
+        if self._stop_at is not None and seen.time >= self._stop_at:
+            self.count = self._times
+
+
+def test_each_vehicle_flies_its_own_mission_to_its_own_end(tmp_path: Path) -> None:
+    plan, witness = two(tmp_path, HOP, WAIT), Witness()
+    folder = tmp_path / "run"
+    folder.mkdir()
+    recorder = Recorder(folder)
+    summary = fly(plan, lambda: recorder, [witness])
+    recorder.write_summary(summary)
+    cat, mouse = summary.vehicles["cat"], summary.vehicles["mouse"]
+    assert list(summary.vehicles) == ["cat", "mouse"]
+    assert (cat.outcome, cat.output, cat.reason) == ("done", {}, "")
+    assert (mouse.outcome, mouse.output, mouse.reason) == ("given_up", {"seconds": 3}, "")
+    assert cat.max_altitude == pytest.approx(1.5, abs=0.1)
+    assert mouse.max_altitude == pytest.approx(2.0, abs=0.1)
+    assert cat.distance == pytest.approx(3.0, abs=0.3)
+    assert cat.mission_time + 2 < mouse.mission_time == summary.mission_time
+    assert summary.exit_code == 1
+
+    run = read_run(folder)
+    assert run.missing == ()
+    assert {name: mission.name for name, mission in run.header.missions.items()} == {
+        "cat": "hop",
+        "mouse": "wait",
+    }
+    assert run.header.missions["cat"].parameters == {"height": 1.5}
+    assert [event.sequence for event in run.events] == list(range(len(run.events)))
+    entered = {"cat": ["", "up", "down", "over"], "mouse": ["", "up", "stay", "down", "over"]}
+    for name, states in entered.items():
+        own = [event for event in run.events if event.vehicle == name]
+        assert [event.fields["state"] for event in own if event.kind == "enter"] == states
+        assert own[-1].kind == "outcome"
+        # In lockstep, a row each period, to the end of its own flight.
+        times = [sample.time for sample in run.telemetry[name]]
+        assert times == pytest.approx([0.025 * n for n in range(1, len(times) + 1)])
+        assert times[-1] == pytest.approx(summary.vehicles[name].mission_time)
+        assert [sample.states for sample in run.telemetry[name]][-1] == ()
+    apart = run.telemetry["mouse"][0].position.minus(run.telemetry["cat"][0].position)
+    assert apart.norm() == pytest.approx(2.0, abs=0.01)
+    assert run.summary is not None
+    assert summary_fields(run.summary, folder) | {"wall_time_s": 0, "realtime_factor": 0} == (
+        summary_fields(summary, folder) | {"wall_time_s": 0, "realtime_factor": 0}
+    )
+    flights = [[stretch.state for stretch in flight] for flight in stretches(run)]
+    assert flights == [["cat: up", "cat: down"], ["mouse: up", "mouse: stay", "mouse: down"]]
+    assert draw(folder).read_bytes().startswith(b"\x89PNG")
+
+    shown = [(time, name) for time, name, _ in witness.shown]
+    assert shown[:4] == [(0.025, "cat"), (0.025, "mouse"), (0.05, "cat"), (0.05, "mouse")]
+    for name in ("cat", "mouse"):
+        assert [time for time, who in shown if who == name] == pytest.approx(
+            [sample.time for sample in run.telemetry[name]]
+        )
+        assert [kind for who, kind in witness.kinds if who == name] == [
+            event.kind for event in run.events if event.vehicle == name
+        ]
+
+
+def test_all_done_is_a_success_and_equal_runs_give_equal_bytes(tmp_path: Path) -> None:
+    plan = two(tmp_path, HOP, HOP)
+    for name in "ab":
+        (tmp_path / name).mkdir()
+        summary = fly(plan, lambda name=name: Recorder(tmp_path / name))  # type: ignore[misc]
+        assert summary.exit_code == 0
+    for name in ("events.jsonl", "telemetry.csv"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+@pytest.mark.parametrize(("times", "past_the_mission"), [(1, False), (2, True)])
+def test_a_request_to_stop_lands_all(times: int, past_the_mission: bool, tmp_path: Path) -> None:
+    plan = two(tmp_path, LONG, LONG)
+    asked = Witness(stop_at=2.5, times=times)
+    summary = fly(plan, watchers=[asked], stops=asked)
+    assert summary.exit_code == 130
+    assert [flown.outcome for flown in summary.vehicles.values()] == ["aborted", "aborted"]
+    assert summary.mission_time < 10
+    for name in ("cat", "mouse"):
+        heights = [z for _, who, z in asked.shown if who == name]
+        assert max(heights) > 1.5
+        assert heights[-1] == pytest.approx(0.0, abs=0.05)
+        assert (name, "landing") in asked.kinds
+        assert ((name, "reaction") in asked.kinds) != past_the_mission
+
+
+def test_a_run_that_cannot_be_recorded_any_more_lands_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken, witness = Recorder.take, Witness()
+
+    def full_for_the_mouse(self: Recorder, pilot: Pilot) -> list[Record]:
+        if pilot.vehicle.name == "mouse" and pilot.channel.now > 2.5:
+            raise UserError("cannot-record", "no room")
+        return taken(self, pilot)
+
+    monkeypatch.setattr(Recorder, "take", full_for_the_mouse)
+    with pytest.raises(UserError, match="no room"):
+        fly(two(tmp_path, LONG, LONG), lambda: Recorder(tmp_path), [witness])
+    for name in ("cat", "mouse"):
+        heights = [(time, z) for time, who, z in witness.shown if who == name]
+        assert max(z for _, z in heights) > 1.5
+        assert heights[-1][0] < 10 and heights[-1][1] == pytest.approx(0.0, abs=0.05)
+
+
+def test_one_vehicle_may_have_any_name(tmp_path: Path) -> None:
+    plan = Plan({"cat": Assignment(prepared(tmp_path, HOP))})
+    summary = fly(plan, lambda: Recorder(tmp_path))
+    assert summary.alone.outcome == "done"
+    run = read_run(tmp_path)
+    assert (list(run.header.missions), list(run.telemetry)) == (["cat"], ["cat"])
+
+
+def test_a_plan_without_vehicles_or_with_two_worlds_is_refused(tmp_path: Path) -> None:
+    yard, empty = (Assignment(prepared(tmp_path, HOP, world)) for world in ("yard", "empty"))
+    for assignments in ({}, {"cat": yard, "mouse": empty}):
+        with pytest.raises(ValueError, match="at least one vehicle, and all missions in one world"):
+            Plan(assignments)
