@@ -1,4 +1,4 @@
-"""The appearance of the simulated quadrotor in pictures."""
+"""The appearance of the simulated quadrotor in images."""
 
 from __future__ import annotations
 
