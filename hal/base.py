@@ -54,6 +54,8 @@ class BaseVehicle:
         self._expires = inf
         """When the set-point that is flown is not valid any more."""
         self._seen: Observation | None = None
+        self._now = 0.0
+        """When the last period ended, seconds of the session's clock."""
 
     # What a subclass says of itself.
 
@@ -78,13 +80,12 @@ class BaseVehicle:
 
         Where nothing was ``heard`` of that, only the validity of the last set-point runs out.
         """
-        now = self._seen.time if self._seen else 0.0
         if heard and self._given is not None:
             (setpoint, valid_for), self._given = self._given, None
-            self._expires = inf if isinstance(setpoint, Hold) else now + valid_for
+            self._expires = inf if isinstance(setpoint, Hold) else self._now + valid_for
             self.orders.end("ended by a command")
             self.fly(setpoint)
-        elif now >= self._expires - _EPSILON:
+        elif self._now >= self._expires - _EPSILON:
             self._expires = inf
             if not self.refusal():
                 self.fly(Hold())
@@ -102,7 +103,7 @@ class BaseVehicle:
 
     def end_period(self, seen: Observation) -> None:
         """What is known at the end of a period; orders that took too long are lost."""
-        self._seen = seen
+        self._seen, self._now = seen, seen.time
         self.orders.expire(seen.time)
 
     # The contract.

@@ -133,8 +133,7 @@ class SimVehicle(BaseVehicle):
 
     def _observed(self) -> Observation:
         _, attitude, velocity, turning = self._state
-        stopped = self._mode == "stopped"
-        return Observation(
+        seen = Observation(
             self._time,
             self._position(),
             Point(*velocity),
@@ -147,12 +146,14 @@ class SimVehicle(BaseVehicle):
             self._mode,
             self._home,
             self._health(),
-            authority="none" if stopped else "mission",
-            authority_reason="the motors are stopped" if stopped else "",
-            events=tuple(
-                VehicleEvent("vehicle.collision", {"thing": name}) for name in self._footing.touched
-            ),
         )
+        if self._mode == "stopped":
+            seen = seen._replace(authority="none", authority_reason="the motors are stopped")
+        touched = self._footing.touched
+        if touched:
+            events = [VehicleEvent("vehicle.collision", {"thing": name}) for name in touched]
+            seen = seen._replace(events=tuple(events))
+        return seen
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
         """What its four lamps show at a time of the session's clock (see :mod:`hal.lights`)."""
