@@ -83,13 +83,14 @@ class BaseVehicle:
         if heard and self._given is not None:
             (setpoint, valid_for), self._given = self._given, None
             self._expires = inf if isinstance(setpoint, Hold) else self._now + valid_for
-            self.orders.end("ended by a command")
+            if self.orders.under_way:
+                self.orders.end("ended by a command")
             self.fly(setpoint)
         elif self._now >= self._expires - _EPSILON:
             self._expires = inf
             if not self.refusal():
                 self.fly(Hold())
-        if heard:
+        if heard and self.orders.sent:
             for order in self.orders.take():
                 self._decide(order)
 
@@ -104,7 +105,8 @@ class BaseVehicle:
     def end_period(self, seen: Observation) -> None:
         """What is known at the end of a period; orders that took too long are lost."""
         self._seen, self._now = seen, seen.time
-        self.orders.expire(seen.time)
+        if self.orders.sent or self.orders.under_way:
+            self.orders.expire(seen.time)
 
     # The contract.
 
@@ -125,7 +127,8 @@ class BaseVehicle:
         reason = self.refusal()
         if reason:
             return Answer(False, reason)
-        self.orders.supersede("ended by a command")
+        if self.orders.sent:
+            self.orders.supersede("ended by a command")
         self._given = setpoint, valid_for
         return ACCEPTED
 

@@ -79,65 +79,57 @@ class Orders:
     """The orders of one vehicle: sent ones wait here for the backend to decide in ``wait()``."""
 
     def __init__(self) -> None:
-        self._sent: list[Order] = []
-        self._under_way: dict[str, Order] = {}
+        self.sent: list[Order] = []
+        """Not decided on yet."""
+        self.under_way: dict[str, Order] = {}
+        """Accepted, by verb."""
 
     def send(self, verb: str, *arguments: Any) -> Order:
         """Take down a verb. One that is already sent or under way is that order again."""
-        last = self._sent[-1] if self._sent else self._under_way.get(verb)
+        last = self.sent[-1] if self.sent else self.under_way.get(verb)
         again = last is not None and last.verb == verb and not last.reason
         if last is not None and again and (last.state == "accepted" or last.arguments == arguments):
             return last
         order = Order(verb, arguments)
-        self._sent.append(order)
+        self.sent.append(order)
         return order
 
     def supersede(self, reason: str) -> None:
         """A set-point came after what was sent in this period: orders to fly count no more."""
-        for order in self._sent:
+        for order in self.sent:
             if order.verb in MANOEUVRES:
                 order.reason = reason
 
     def take(self) -> list[Order]:
         """The orders to decide on now, in the sequence in which they were sent."""
-        if not self._sent:
-            return []  # nearly always
-        sent, self._sent = self._sent, []
+        sent, self.sent = self.sent, []
         for order in sent:
             if order.reason:
                 order.state = "refused"
         return [order for order in sent if not order.ended]
 
-    def get(self, verb: str) -> Order | None:
-        """The accepted order of that verb, if it is under way."""
-        return self._under_way.get(verb)
-
     def accept(self, order: Order) -> None:
         """The vehicle carries it out; whatever was under way ends."""
         self.end(f"ended by: {order.verb}")
         order.state = "accepted"
-        self._under_way[order.verb] = order
+        self.under_way[order.verb] = order
 
     def end(self, reason: str = "") -> None:
         """All that is under way is done or, with a reason, refused."""
-        if not self._under_way:
-            return
-        for order in self._under_way.values():
+        for order in self.under_way.values():
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
-        self._under_way.clear()
+        self.under_way.clear()
 
     def expire(self, now: float) -> None:
         """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
-        if not self._sent and not self._under_way:
-            return
-        for order in self._sent:
+        for order in self.sent:
             if _age(order, now) >= ANSWER_WITHIN:
                 order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"
-        self._sent = [order for order in self._sent if not order.ended]
-        for verb, order in list(self._under_way.items()):
+        self.sent = [order for order in self.sent if not order.ended]
+        for verb, order in list(self.under_way.items()):
             if _age(order, now) >= DONE_WITHIN[verb]:
                 order.state, order.reason = "lost", f"not done within {DONE_WITHIN[verb]:g} s"
-                del self._under_way[verb]
+                del self.under_way[verb]
 
 
 def _age(order: Order, now: float) -> float:

@@ -103,14 +103,14 @@ class SimSession:
         vehicles, step = self._all, self._physics.step
         for vehicle in vehicles:
             vehicle.plan()
-        before = self._steps()
+        before, rangefinders = self._steps(), self._rangefinders
         for steps in range(before + 1, before + STEPS + 1):
             for vehicle in vehicles:
                 vehicle.drive()
             step()
             for vehicle in vehicles:
                 vehicle.sense()
-            for rangefinder in self._rangefinders:
+            for rangefinder in rangefinders:
                 rangefinder.sample(steps)
         self._count += 1
         time = self._count / PERIODS_PER_SECOND

@@ -34,6 +34,7 @@ from hal.vehicle import (
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
 from worlds.model import Start
 
+_ORIGIN = Point(0.0, 0.0, 0.0)
 STEPS = 6
 """Physics steps in a mission period."""
 CAPABILITIES = frozenset(
@@ -132,28 +133,35 @@ class SimVehicle(BaseVehicle):
         return CAPABILITIES | cameras | {f"sensor.{name}" for name in self.sensors}
 
     def _observed(self) -> Observation:
-        _, attitude, velocity, turning = self._state
-        seen = Observation(
-            self._time,
-            self._position(),
-            Point(*velocity),
-            attitude,
-            wrap(yaw_of(attitude)),
-            in_body(turning, attitude),
-            self._battery.charge,
-            self._armed,
-            not self._footing.supported,
-            self._mode,
-            self._home,
-            self._health(),
+        (x, y, z), attitude, velocity, turning = self._state
+        mode, touched = self._mode, self._footing.touched
+        stopped = mode == "stopped"
+        # In the order of its fields: with their names it takes twice as long, in every period.
+        return Observation._make(
+            (
+                self._time,
+                Point(x, y, z - self._airframe.height),
+                Point._make(velocity),
+                attitude,
+                wrap(yaw_of(attitude)),
+                in_body(turning, attitude),
+                self._battery.charge,
+                self._armed,
+                not self._footing.supported,
+                mode,
+                self._home,
+                self._health(),
+                0.0,
+                "alive",
+                "none" if stopped else "mission",
+                "the motors are stopped" if stopped else "",
+                0,
+                _ORIGIN,
+                tuple(VehicleEvent("vehicle.collision", {"thing": thing}) for thing in touched)
+                if touched
+                else (),
+            )
         )
-        if self._mode == "stopped":
-            seen = seen._replace(authority="none", authority_reason="the motors are stopped")
-        touched = self._footing.touched
-        if touched:
-            events = [VehicleEvent("vehicle.collision", {"thing": name}) for name in touched]
-            seen = seen._replace(events=tuple(events))
-        return seen
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
         """What its four lamps show at a time of the session's clock (see :mod:`hal.lights`)."""
