@@ -32,6 +32,8 @@ class Watch:
 
     def __init__(self, thresholds: Thresholds) -> None:
         self.thresholds = thresholds
+        self._highest = max(thresholds.battery_low, thresholds.battery_critical)
+        """Above this charge nothing is low."""
         self._below: set[str] = set()
         self._lost = False
 
@@ -49,20 +51,25 @@ class Watch:
         """The events of this period, which came ``step`` seconds after the last: crossings of
         thresholds, what the vehicle tells by itself, and whether the period was late.
         """
-        limits = self.thresholds
-        for name, level in (
-            ("battery.critical", limits.battery_critical),
-            ("battery.low", limits.battery_low),
-        ):
-            if seen.battery > level + RECOVERED:
-                self._below.discard(name)
-            elif seen.battery <= level and name not in self._below:
-                self._below.add(name)
-                yield name, {"level": seen.battery}
-        lost = seen.link == "gone" or seen.link_age > limits.link_lost
+        if self._below or seen.battery <= self._highest:
+            yield from self._crossings(seen.battery)
+        lost = seen.link == "gone" or seen.link_age > self.thresholds.link_lost
         if lost != self._lost:
             self._lost = lost
             yield ("link.lost" if lost else "link.restored"), {"age": seen.link_age}
         yield from seen.events
         if step > LATE * PERIOD:
             yield "vehicle.late", {"step": step}
+
+    def _crossings(self, battery: float) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        """The thresholds that the charge has just fallen below."""
+        limits = self.thresholds
+        for name, level in (
+            ("battery.critical", limits.battery_critical),
+            ("battery.low", limits.battery_low),
+        ):
+            if battery > level + RECOVERED:
+                self._below.discard(name)
+            elif battery <= level and name not in self._below:
+                self._below.add(name)
+                yield name, {"level": battery}

@@ -55,6 +55,8 @@ class SimSession:
             )
             for name, start in zip(options.vehicles, starts, strict=True)
         ]
+        self._drives = [vehicle.drive for vehicle in self._all]
+        self._senses = [vehicle.sense for vehicle in self._all]
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
@@ -101,15 +103,16 @@ class SimSession:
         if self._physics is None:
             raise VehicleError("closed", "the simulator is closed")
         vehicles, step = self._all, self._physics.step
+        drives, senses = self._drives, self._senses
         for vehicle in vehicles:
             vehicle.plan()
         before, rangefinders = self._steps(), self._rangefinders
         for steps in range(before + 1, before + STEPS + 1):
-            for vehicle in vehicles:
-                vehicle.drive()
+            for drive in drives:
+                drive()
             step()
-            for vehicle in vehicles:
-                vehicle.sense()
+            for sense in senses:
+                sense()
             for rangefinder in rangefinders:
                 rangefinder.sample(steps)
         self._count += 1

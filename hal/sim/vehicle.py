@@ -101,6 +101,14 @@ class SimVehicle(BaseVehicle):
         self.cameras: Mapping[str, Camera] = {}
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = Controller(airframe)
+        self._control, self._push, self._read_state = (
+            self._controller.step,
+            self._body.push,
+            self._body.state,
+        )
+        """What each physics step calls."""
+        self._motors_run = self._may_touch = False
+        """In this mission period."""
         self._battery = Battery(airframe, charge)
         self._noise = noise
         self._footing = ContactTracker(physics, self._body, airframe.height, obstacles)
@@ -175,7 +183,7 @@ class SimVehicle(BaseVehicle):
 
     def _health(self) -> tuple[str, ...]:
         problems: tuple[str, ...] = ()
-        if self._battery.empty:
+        if self._battery.charge <= 0.0:
             problems += ("the battery is empty",)
         if self._mode == "stopped":
             problems += ("the motors were stopped in the air",)
@@ -376,19 +384,21 @@ class SimVehicle(BaseVehicle):
         self.begin_period()
         self._controller.plan(self._state)
         self._footing.plan(self._state)
+        self._motors_run = self._armed and self._mode != "landed"
+        self._may_touch = self._footing.beside and self._is_active()
 
     def drive(self) -> None:
         """Push for the next physics step."""
-        if self._armed and self._mode != "landed":
-            thrust, x, y, z = self._controller.step(self._state)
+        if self._motors_run:
+            thrust, x, y, z = self._control(self._state)
             self._thrust += thrust
-            self._body.push(thrust, x, y, z)
+            self._push(thrust, x, y, z)
 
     def sense(self) -> None:
         """See where the step has led."""
-        self._state = self._body.state()
-        self._keep(self._state)
-        if self._footing.beside and self._is_active():
+        self._state = state = self._read_state()
+        self._keep(state)
+        if self._may_touch:
             self._footing.feel()
 
     def _is_active(self) -> bool:
