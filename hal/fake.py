@@ -131,13 +131,12 @@ class FakeVehicle(BaseVehicle):
         self.verbs.append(verb)
         return super().send(verb, *arguments)
 
-    def begin_period(self, heard: bool = True) -> None:
+    def decide(self, order: Order) -> Decision:
         """See BaseVehicle; the next verb is refused where a test asks for that."""
-        if heard and self.refuse_next is not None:
-            for order in self.orders.take():
-                order.state, order.reason = "refused", self.refuse_next or ""
-                self.refuse_next = None
-        super().begin_period(heard)
+        if self.refuse_next is None:
+            return super().decide(order)
+        reason, self.refuse_next = self.refuse_next, None
+        return refused(reason)
 
     def _decide_arm(self) -> Decision:
         empty = ("the battery is empty",) if self.battery <= 0 else ()
@@ -244,7 +243,9 @@ class FakeVehicle(BaseVehicle):
             self._stop_motors("the battery is empty")
         before, self._turning = self.position, 0.0
         if self._mode != "landed":
-            after = self._moved(step).plus(_times(self.wind, step))
+            # It holds once its set-point has run out, also within a period that comes late.
+            flown = min(step, self.remaining_validity())
+            after = self._moved(flown).plus(_times(self.wind, step))
             self.position = before if self.stuck else after._replace(z=max(0.0, after.z))
         self._velocity = _times(self.position.minus(before), 1 / step)
         self._reach()

@@ -14,7 +14,7 @@ An order changes only inside the session's ``wait()``::
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
@@ -40,6 +40,8 @@ DONE_WITHIN: Mapping[str, float] = MappingProxyType(
 
 MANOEUVRES = frozenset({"takeoff", "land", "return_home"})
 """Orders that the vehicle flies by itself; a set-point ends them."""
+MOTION = frozenset(DONE_WITHIN) - {"lights"}
+"""Orders of which one ends another; lights are shown beside them."""
 
 
 @dataclass(slots=True, eq=False)
@@ -81,29 +83,36 @@ class Orders:
     def __init__(self) -> None:
         self._sent: list[Order] = []
         self._under_way: dict[str, Order] = {}
+        self._superseded: dict[Order, str] = {}
+        """Orders that count no more, with the reason that they are told in the next period."""
 
     def send(self, verb: str, *arguments: Any) -> Order:
-        """Take down a verb. One that is already sent or under way is that order again."""
-        last = self._sent[-1] if self._sent else self._under_way.get(verb)
-        again = last is not None and last.verb == verb and not last.reason
-        if last is not None and again and (last.state == "accepted" or last.arguments == arguments):
-            return last
+        """Take down a verb. One that is already sent or under way is that order again, unless it
+        was superseded, or another verb of motion was sent since.
+        """
+        motion = verb in MOTION
+        alike = [order for order in self._sent if (order.verb in MOTION) == motion]
+        last = alike[-1] if alike else self._under_way.get(verb)
+        if last is not None and last.verb == verb and last not in self._superseded:
+            if last.arguments == arguments or (motion and last.state == "accepted"):
+                return last
         order = Order(verb, arguments)
         self._sent.append(order)
         return order
 
     def supersede(self, reason: str) -> None:
-        """A set-point came after what was sent in this period: orders to fly count no more."""
-        for order in self._sent:
+        """A set-point came after what was told so far: orders to fly count no more."""
+        for order in (*self._sent, *self._under_way.values()):
             if order.verb in MANOEUVRES:
-                order.reason = reason
+                self._superseded[order] = reason
 
     def take(self) -> list[Order]:
         """The orders to decide on now, in the sequence in which they were sent."""
         sent, self._sent = self._sent, []
+        superseded, self._superseded = self._superseded, {}
         for order in sent:
-            if order.reason:
-                order.state = "refused"
+            if order in superseded:
+                order.state, order.reason = "refused", superseded[order]
         return [order for order in sent if not order.ended]
 
     def get(self, verb: str) -> Order | None:
@@ -111,16 +120,18 @@ class Orders:
         return self._under_way.get(verb)
 
     def accept(self, order: Order) -> None:
-        """The vehicle carries it out; whatever was under way ends."""
-        self.end(f"ended by: {order.verb}")
+        """The vehicle carries it out; what was under way ends, but for lights and motion beside
+        each other.
+        """
+        self.end(f"ended by: {order.verb}", MOTION if order.verb in MOTION else {order.verb})
         order.state = "accepted"
         self._under_way[order.verb] = order
 
-    def end(self, reason: str = "") -> None:
-        """All that is under way is done or, with a reason, refused."""
-        for order in self._under_way.values():
+    def end(self, reason: str = "", verbs: Set[str] = MOTION) -> None:
+        """What is under way of these verbs is done or, with a reason, refused."""
+        for verb in [verb for verb in self._under_way if verb in verbs]:
+            order = self._under_way.pop(verb)
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
-        self._under_way.clear()
 
     def expire(self, now: float) -> None:
         """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
