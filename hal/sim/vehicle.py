@@ -432,7 +432,7 @@ class SimVehicle(BaseVehicle):
         elif self._braking:
             self._stay_where_it_stops()
             controller.height = None if self._braking else self._target
-        elif position.z > self._target - _ARRIVED:
+        elif position.z > min(self._target, controller.max_altitude) - _ARRIVED:
             controller.fly_to(self._home.x, self._home.y, self._target)
 
     def _stay_where_it_stops(self) -> None:
