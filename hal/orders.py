@@ -93,9 +93,11 @@ class Orders:
         motion = verb in MOTION
         alike = [order for order in self._sent if (order.verb in MOTION) == motion]
         last = alike[-1] if alike else self._under_way.get(verb)
-        if last is not None and last.verb == verb and last not in self._superseded:
-            if last.arguments == arguments or (motion and last.state == "accepted"):
-                return last
+        # A manoeuvre under way goes on whatever it is asked for anew; lights change.
+        again = last is not None and last.verb == verb and last not in self._superseded
+        going_on = last is not None and last.state == "accepted" and motion
+        if last is not None and again and (going_on or last.arguments == arguments):
+            return last
         order = Order(verb, arguments)
         self._sent.append(order)
         return order
