@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, isclose, pi, radians
+from math import cos, inf, isclose, nan, pi, radians
 from random import Random
 from typing import Any
 
@@ -27,6 +27,7 @@ from hal.vehicle import (
     Intrinsics,
     Position,
     Reading,
+    Setpoint,
     Velocity,
 )
 from tests.behaviors.flying import airborne, observed
@@ -307,6 +308,15 @@ def test_reading_is_free() -> None:
 
 def test_one_that_is_being_stopped_commands_nothing() -> None:
     mine, _ = flight("motion")
-    mine.stopping = True
+    mine.may_command = False
     with pytest.raises(NotInControl, match="being stopped"):
         mine.command(Hold())
+
+
+@pytest.mark.parametrize(
+    "setpoint", [Velocity(x=nan), Position(Point(0.0, inf, 0.0)), Attitude(nan)]
+)
+def test_a_set_point_without_finite_numbers_is_a_mistake(setpoint: Setpoint) -> None:
+    mine, _ = flight("motion")
+    with pytest.raises(ValueError, match="finite"):
+        mine.command(setpoint)
