@@ -124,6 +124,8 @@ class FakeVehicle(BaseVehicle):
         self.position = self.position.plus(shift)
         self._home = self._home.plus(shift)
         self._target = self._target.plus(shift)
+        for name in ("min_altitude", "max_altitude"):
+            self.limits[name] += shift.z
 
     # What carries out each verb, at the beginning of the next period.
 

@@ -182,6 +182,23 @@ def test_the_mission_frame_follows_when_the_world_s_origin_jumps() -> None:
     assert channel.frame.origin == HOME.plus((2.0, -1.0, 0.5))
 
 
+def test_what_people_write_down_is_in_the_world_frame_before_any_jump() -> None:
+    frame = MissionFrame(HOME, {"gate": Point(12.0, -20.0, 3.0)}, (40.0, -3.0, 600.0))
+    given = ("gate", {"x": 7.0, "frame": "world"}, {"lat": 40.001, "lon": -3.001}, {"left": 1.0})
+    before = [frame.point(each, seen()) for each in given]
+    frame.follow(Point(30.0, -20.0, 4.0))
+    assert frame.follow(Point(31.0, -20.0, 5.0)) == (1.0, 0.0, 1.0)
+    late = MissionFrame(frame.origin, {"gate": Point(12.0, -20.0, 3.0)}, (40.0, -3.0, 600.0),
+                        Point(31.0, -20.0, 5.0))  # fmt: skip
+    for each in (frame, late):
+        for point, there in zip(given, before, strict=True):
+            assert distance(each.point(point, seen()), there) < 1e-9
+    begun = MissionFrame.at_start(
+        seen(START)._replace(origin_shift=Point(1.0, 2.0, 3.0)), {"gate": START}
+    )
+    assert begun.point("gate", seen()) == (1.0, 2.0, 3.0)
+
+
 def test_the_frame_begins_at_home_or_where_the_vehicle_is() -> None:
     here = seen(START)
     assert MissionFrame.at_start(here).origin == START
