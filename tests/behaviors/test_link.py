@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from behaviors.pilot import LANDING_TIMEOUT, SILENCE_TIMEOUT
+from behaviors.vocabulary import EVENTS
 from hal.fake import FakeSession
 from hal.limits import Limits
 from hal.orders import ANSWER_WITHIN
@@ -242,6 +245,13 @@ def test_what_a_backend_posts_is_urgent_and_lands_unless_handled(
     handled.run(2)
     assert [fields["text"] for fields in of_kind(handled, "log")] == ["heard"]
     assert handled.pilot.instance.is_active("fly")
+
+
+def test_every_event_stands_in_the_guide_with_who_makes_it() -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "backends.md").read_text("utf-8")
+    families = "|".join({name.partition(".")[0] for name in EVENTS})
+    section = guide.partition("**Who commands.**")[2].partition("**Set-points.**")[0]
+    assert set(re.findall(rf"`((?:{families})\.[a-z]+)`", section)) == set(EVENTS)
 
 
 def test_good_news_needs_no_handler() -> None:

@@ -99,7 +99,7 @@ def near(place: Point, x: float, y: float, z: float, tolerance: float = 0.05) ->
 def test_nothing_is_known_before_the_first_wait(fresh: Session) -> None:
     with pytest.raises(RuntimeError, match="before the first wait"):
         only(fresh).observe()
-    fresh.wait()
+    assert fresh.wait() == PERIOD
     assert only(fresh).observe().time == PERIOD
 
 
