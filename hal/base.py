@@ -61,6 +61,8 @@ class BaseVehicle:
         self._expires = inf
         """When the set-point that is flown is not valid any more."""
         self._seen: Observation | None = None
+        self._now = 0.0
+        """When the last period ended, seconds of the session's clock."""
 
     # What a subclass says of itself.
 
@@ -86,14 +88,13 @@ class BaseVehicle:
         Where nothing was ``heard`` of that, its set-point is lost, and the validity of the last one
         runs out.
         """
-        now = self._seen.time if self._seen else 0.0
         given, self._given = self._given, None
         if heard and given is not None:
             setpoint, valid_for = given
-            self._expires = inf if isinstance(setpoint, Hold) else now + valid_for
+            self._expires = inf if isinstance(setpoint, Hold) else self._now + valid_for
             self.orders.end("ended by a command")
             self.fly(setpoint)
-        elif now >= self._expires - _EPSILON:
+        elif self._now >= self._expires - _EPSILON:
             self._expires = inf
             if not self.refusal():
                 self.fly(Hold())
@@ -117,11 +118,11 @@ class BaseVehicle:
         """Seconds from the last observation on for which its set-point is valid: a vehicle whose
         period takes longer holds for the rest of it. Infinite where there is nothing to run out.
         """
-        return self._expires - (self._seen.time if self._seen else 0.0)
+        return self._expires - self._now
 
     def end_period(self, seen: Observation) -> None:
         """What is known at the end of a period; orders that took too long are lost."""
-        self._seen = seen
+        self._seen, self._now = seen, seen.time
         self.orders.expire(seen.time)
 
     # The contract.

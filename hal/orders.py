@@ -110,6 +110,8 @@ class Orders:
 
     def take(self) -> list[Order]:
         """The orders to decide on now, in the sequence in which they were sent."""
+        if not self._sent and not self._superseded:
+            return []  # nearly always
         sent, self._sent = self._sent, []
         superseded, self._superseded = self._superseded, {}
         for order in sent:
@@ -131,12 +133,16 @@ class Orders:
 
     def end(self, reason: str = "", verbs: Set[str] = MOTION) -> None:
         """What is under way of these verbs is done or, with a reason, refused."""
+        if not self._under_way:
+            return
         for verb in [verb for verb in self._under_way if verb in verbs]:
             order = self._under_way.pop(verb)
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
 
     def expire(self, now: float) -> None:
         """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
+        if not self._sent and not self._under_way:
+            return
         for order in self._sent:
             if _age(order, now) >= ANSWER_WITHIN:
                 order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"

@@ -15,9 +15,10 @@ from pathlib import Path
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
-from hal.vehicle import Frame, Observation
+from hal.vehicle import Frame, Observation, Reading
 from runner.appended_file import AppendedFile, as_json, encode, writing
 from runner.frames import FrameFiles
+from runner.readings import ReadingFile
 from runner.run_folder import (
     EVENTS,
     SUMMARY,
@@ -72,6 +73,9 @@ class Recorder:
         self._frames = FrameFiles(folder) if frames else None
         self._read: list[tuple[str, str, Frame]] = []
         """Vehicle, camera and frame of what was read since it was last written."""
+        self._readings = ReadingFile(folder)
+        self._measured: list[tuple[str, str, Reading]] = []
+        """Vehicle, sensor and reading of what was read since it was last written."""
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
 
@@ -98,13 +102,17 @@ class Recorder:
         self._telemetry.append([TELEMETRY_COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
-        """Keep what the behaviours of this pilot will look at."""
+        """Keep the frames and readings that the behaviours of this pilot will read."""
         if self._frames is not None:
             pilot.channel.looked = partial(self._look, pilot.vehicle.name)
+        pilot.channel.measured = partial(self._measure, pilot.vehicle.name)
 
     def _look(self, vehicle: str, camera: str, frame: Frame) -> None:
         # Written after the period: a full disk is no failure of the behaviour that looked.
         self._read.append((vehicle, camera, frame))
+
+    def _measure(self, vehicle: str, sensor: str, reading: Reading) -> None:
+        self._measured.append((vehicle, sensor, reading))
 
     def take(self, pilot: Pilot) -> list[Record]:
         """Write one period of a pilot: its records, now empty, and a row of telemetry."""
@@ -117,6 +125,8 @@ class Recorder:
             self._write_rows()
         if self._read:
             self._write_frames()
+        if self._measured:
+            self._write_readings()
         return records
 
     def take_records(self, pilot: Pilot) -> list[Record]:
@@ -145,15 +155,21 @@ class Recorder:
             for frame in read:
                 self._frames.write(*frame)
 
+    def _write_readings(self) -> None:
+        measured, self._measured = self._measured, []
+        for reading in measured:
+            self._readings.write(*reading)
+
     def close(self) -> None:
         """Everything is on disk after this; closing again does nothing."""
         with ExitStack() as stack:
-            for file in (self._frames, self._telemetry, self._events):
+            for file in (self._frames, self._readings, self._telemetry, self._events):
                 if file is not None:
                     stack.callback(file.close)
             if self._rows:
                 self._write_rows()
             self._write_frames()
+            self._write_readings()
 
     def write_summary(self, summary: Summary) -> None:
         """Write how the run ended, for people to read too."""

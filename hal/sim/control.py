@@ -42,10 +42,10 @@ class Controller:
 
     __slots__ = (
         "_damp_x", "_damp_y", "_in_heading", "_lean", "_level_x", "_level_y", "_mass",
-        "_max_lean", "_max_lean_torque", "_max_thrust", "_max_turn_torque", "_place", "_skids",
-        "_thrust", "_tilt", "_turn_push", "_velocity", "_want_rate", "_want_x", "_want_y",
-        "_want_z", "_yaw", "_yaw_rate", "acceleration",
-        "height", "max_altitude", "max_climb", "max_speed", "max_tilt", "max_yaw_rate",
+        "_max_lean", "_max_lean_torque", "_max_thrust", "_max_tilt", "_max_turn_torque",
+        "_place", "_skids", "_thrust", "_tilt", "_turn_push", "_velocity", "_want_rate",
+        "_want_x", "_want_y", "_want_z", "_yaw", "_yaw_rate", "acceleration", "height",
+        "max_altitude", "max_climb", "max_speed", "max_yaw_rate",
         "min_altitude", "noise",
     )  # fmt: skip
 
@@ -60,9 +60,9 @@ class Controller:
         self._turn_push = iz * _TURN_PUSH
         self.max_speed = airframe.max_speed
         self.max_climb = airframe.max_climb
-        self.max_tilt = airframe.max_tilt
-        self._max_lean = tan(airframe.max_tilt)
+        self._max_lean = 0.0
         """Horizontal over vertical part of the thrust."""
+        self.max_tilt = airframe.max_tilt
         self.max_yaw_rate = airframe.max_yaw_rate
         self.min_altitude, self.max_altitude = -inf, inf
         self.noise = (0.0, 0.0, 0.0)
@@ -83,6 +83,16 @@ class Controller:
         self._yaw: float | None = None
         self._yaw_rate = 0.0
         self._want_x = self._want_y = self._want_z = self._want_rate = 0.0
+
+    @property
+    def max_tilt(self) -> float:
+        """The largest tilt, radians."""
+        return self._max_tilt
+
+    @max_tilt.setter
+    def max_tilt(self, tilt: float) -> None:
+        self._max_tilt = tilt
+        self._max_lean = tan(tilt)
 
     # Targets.
 
@@ -159,8 +169,10 @@ class Controller:
 
         if self.height is not None:
             want_z += _approach(self.height - z, _APPROACH, _BRAKE)
-        want_z = max(want_z, _approach(self.min_altitude - z, _APPROACH, _BRAKE))
-        want_z = min(want_z, _approach(self.max_altitude - z, _APPROACH, _BRAKE))
+        if self.min_altitude > -inf:
+            want_z = max(want_z, _approach(self.min_altitude - z, _APPROACH, _BRAKE))
+        if self.max_altitude < inf:
+            want_z = min(want_z, _approach(self.max_altitude - z, _APPROACH, _BRAKE))
         want_z = max(-self.max_climb, min(self.max_climb, want_z))
 
         noise_x, noise_y, noise_z = self.noise
@@ -170,7 +182,6 @@ class Controller:
             want_z + noise_z,
         )
 
-        self._max_lean = tan(self.max_tilt)
         self._lean = None if self._tilt is None else rotate_xy(*self._tilt, yaw)
 
         rate = self._yaw_rate

@@ -107,9 +107,9 @@ class SimVehicle(BaseVehicle):
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
-        self._lights = Lights()
-        self._lit_at = 0.0
-        """Since when the lamps show that."""
+        self._lights = self._lights_before = Lights()
+        self._lit_at = self._lit_before_at = 0.0
+        """Since when the lamps show that, and what they showed before, session's clock."""
         self._holding = False
         """Hold is the command in force."""
         self._braking = False
@@ -133,8 +133,7 @@ class SimVehicle(BaseVehicle):
 
     def _observed(self) -> Observation:
         _, attitude, velocity, turning = self._state
-        stopped = self._mode == "stopped"
-        return Observation(
+        seen = Observation(
             self._time,
             self._position(),
             Point(*velocity),
@@ -147,15 +146,19 @@ class SimVehicle(BaseVehicle):
             self._mode,
             self._home,
             self._health(),
-            authority="none" if stopped else "mission",
-            authority_reason="the motors are stopped" if stopped else "",
-            events=tuple(
-                VehicleEvent("vehicle.collision", {"thing": name}) for name in self._footing.touched
-            ),
         )
+        if self._mode == "stopped":
+            seen = seen._replace(authority="none", authority_reason="the motors are stopped")
+        touched = self._footing.touched
+        if touched:
+            events = [VehicleEvent("vehicle.collision", {"thing": name}) for name in touched]
+            seen = seen._replace(events=tuple(events))
+        return seen
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
         """What its four lamps show at a time of the session's clock (see :mod:`hal.lights`)."""
+        if time < self._lit_at:
+            return self._lights_before.lamps(time - self._lit_before_at)
         return self._lights.lamps(time - self._lit_at)
 
     def _position(self) -> Point:
@@ -201,7 +204,7 @@ class SimVehicle(BaseVehicle):
             return refused(f"there is no altitude of {altitude:g} m")
         if ground + altitude > self._controller.max_altitude:
             limit = self._controller.max_altitude
-            return refused(f"{ground + altitude:g} m is above the limit of {limit:g} m")
+            return refused(f"{round(ground + altitude, 2):g} m is above the limit of {limit:g} m")
         self._armed = True
         self._braking = False
         self._target = ground + altitude
@@ -250,6 +253,7 @@ class SimVehicle(BaseVehicle):
         return DONE if idle else refused("the motors are running")
 
     def _decide_lights(self, lights: Lights) -> Decision:
+        self._lights_before, self._lit_before_at = self._lights, self._lit_at
         self._lights, self._lit_at = lights, self._time
         return DONE
 
