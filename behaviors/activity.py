@@ -108,16 +108,19 @@ class DroneActivity:
     def progress(self) -> Mapping[str, Any] | None:
         if self._behavior is None or self.failure is not None:
             return None
+        self._flight.may_command = False
         try:
             return self._behavior.progress()
         except Exception:
             # Without its progress it starts anew; what went wrong there harms no flight.
             return None
+        finally:
+            self._flight.may_command = not self._stopped
 
     def stop(self) -> None:
         if self._behavior is None or self._stopped:
             return
-        self._stopped = self._flight.stopping = True
+        self._stopped, self._flight.may_command = True, False
         try:
             self._behavior.stop(self._flight)
         except Exception as error:

@@ -59,8 +59,6 @@ class Channel:
         """Told of each sensor reading that is read: the sensor's name, the reading."""
         self.jump: Jump | None = None
         """The jump of the world frame that came with this period."""
-        seen = vehicle.observe()
-        self._epoch, self._shift = seen.epoch, seen.origin_shift
         self.observe()
 
     def observe(self, dt: float = PERIOD) -> Observation:
@@ -70,8 +68,8 @@ class Channel:
         """The observation as the vehicle gave it, world frame: for records."""
         frame = self.frame
         self.jump = None
-        if seen.epoch != self._epoch:
-            self._follow_jump(seen)
+        if seen.origin_shift != frame.origin_shift:
+            self.jump = Jump(seen.epoch, frame.follow(seen.origin_shift))
         if not frame.is_world:
             position, home = frame.from_world(seen.position), frame.from_world(seen.home)
             seen = seen._replace(position=position, home=home)
@@ -79,12 +77,6 @@ class Channel:
         """Position and home in the mission frame."""
         self.setpoint = None
         return self.observation
-
-    def _follow_jump(self, seen: Observation) -> None:
-        offset = seen.origin_shift.minus(self._shift)
-        self._epoch, self._shift = seen.epoch, seen.origin_shift
-        self.frame.shift(offset)
-        self.jump = Jump(seen.epoch, offset)
 
     @property
     def now(self) -> float:

@@ -10,7 +10,7 @@ from behaviors.channel import Channel
 from behaviors.frame import MissionFrame
 from hal.lights import Lights
 from hal.orders import Order
-from hal.vehicle import Camera, Observation, Sensor, Setpoint
+from hal.vehicle import Camera, Observation, Sensor, Setpoint, is_finite
 
 
 class NotInControl(RuntimeError):
@@ -35,8 +35,8 @@ class Flight:
         self._controls = controls
         self._raise_event = raise_event
         self._publish = publish
-        self.stopping = False
-        """Whether its behaviour is being stopped, and may command nothing any more."""
+        self.may_command = True
+        """Not while its behaviour tells its progress, nor from its ``stop`` on."""
 
     # What it can read.
 
@@ -97,9 +97,11 @@ class Flight:
         """Fly a set-point of the mission frame in this period; the last word counts.
 
         It ends a manoeuvre under way. In a period without either the vehicle holds its place.
-        Raises NotInControl.
+        Raises NotInControl, and ValueError for numbers that are not finite.
         """
         self._need("motion")
+        if not is_finite(setpoint):
+            raise ValueError(f"a set-point needs finite numbers: {setpoint}")
         self._channel.setpoint = setpoint
         self._channel.order = None
 
@@ -150,5 +152,6 @@ class Flight:
     def _need(self, resource: str) -> None:
         if resource not in self._controls:
             raise NotInControl(f"it does not control {resource}: name it in `controls`")
-        if self.stopping:
-            raise NotInControl(f"a behaviour that is being stopped does not control {resource}")
+        if not self.may_command:
+            told = "being stopped or asked for its progress"
+            raise NotInControl(f"a behaviour that is {told} does not control {resource}")

@@ -28,15 +28,21 @@ class MissionFrame:
         origin: Point,
         places: Mapping[str, Point] | None = None,
         geographic: tuple[float, float, float] | None = None,
+        origin_shift: Point = _ZERO,
     ) -> None:
+        """``origin`` is in the present world frame, where what stood at the zero of the first one
+        is at ``origin_shift`` now; ``places`` and ``geographic`` are those of the first one.
+        """
         self.origin = origin
         """The mission frame's zero, world frame."""
         self.is_world = origin == _ZERO
         """Whether the two frames are one, and nothing needs to be moved."""
-        self.places = dict(places or {})
+        self.origin_shift = origin_shift
+        """Where what stood at the first zero of the world frame is now, world frame."""
+        self.places = {name: place.plus(origin_shift) for name, place in (places or {}).items()}
         """Places of the world, world frame."""
         self.geographic = geographic
-        """Latitude and longitude (degrees) and altitude of the world frame's zero."""
+        """Latitude and longitude (degrees) and altitude of the world frame's first zero."""
 
     @classmethod
     def at_start(
@@ -51,13 +57,19 @@ class MissionFrame:
         with an error of its own; else it is where the vehicle is.
         """
         at_home = not seen.flying and distance(seen.position, seen.home) < STANDS_ON_HOME
-        return cls(seen.home if at_home else seen.position, places, geographic)
+        origin = seen.home if at_home else seen.position
+        return cls(origin, places, geographic, seen.origin_shift)
 
-    def shift(self, offset: Point) -> None:
-        """Follow a jump of the world frame: all that stands still is ``offset`` further there."""
+    def follow(self, origin_shift: Point) -> Point:
+        """Follow a jump of the world frame, to where its first zero is now; by how much all that
+        stands still is further there.
+        """
+        offset = origin_shift.minus(self.origin_shift)
+        self.origin_shift = origin_shift
         self.origin = self.origin.plus(offset)
         self.is_world = self.origin == _ZERO
         self.places = {name: place.plus(offset) for name, place in self.places.items()}
+        return offset
 
     def from_world(self, point: Point) -> Point:
         return point.minus(self.origin)
@@ -90,13 +102,17 @@ class MissionFrame:
             if self.geographic is None:
                 raise EvaluationError("the vehicle has no geographic position here")
             east, north = enu_of(given["lat"], given["lon"], *self.geographic[:2])
-            world = self.from_world(Point(east, north, 0.0))
+            world = self._from_first_world(Point(east, north, 0.0))
             return world._replace(z=given.get("above_home", here.z))
         if given.get("frame") == "world":
-            there = self.to_world(here)
+            there = self.to_world(here).minus(self.origin_shift)
             named = Point(*(given.get(axis, there[i]) for i, axis in enumerate("xyz")))
-            return self.from_world(named)
+            return self._from_first_world(named)
         return Point(*(given.get(axis, here[i]) for i, axis in enumerate("xyz")))
+
+    def _from_first_world(self, point: Point) -> Point:
+        """A point of the world frame before any jump, which is what people write down."""
+        return self.from_world(point.plus(self.origin_shift))
 
     def heading(self, given: Any, start: Observation) -> Heading:
         if isinstance(given, Mapping):

@@ -26,9 +26,9 @@ def set_limits(channel: Channel, profile: str | None = None, **limits: float) ->
     Altitudes are above home. Raises EvaluationError for what the vehicle refuses.
     """
     wanted = Limits(**limits)
-    if profile is not None:
-        wanted = wanted.over(profile_of(channel, profile))
     try:
+        if profile is not None:
+            wanted = wanted.over(profile_of(channel, profile))
         answer = channel.configure(wanted)
     except UserError as error:
         raise EvaluationError(error.faults[0].message) from None

@@ -40,8 +40,13 @@ LANDING_RETRY = 1.0
 """Seconds after which a landing that was refused or lost is asked for again."""
 STAY_WITHIN = 1.0
 """Metres within which a place that was commanded is held, rather than where the vehicle stops."""
+SILENT = frozenset({"lost", "gone"})
+"""Links over which nothing is heard: what was observed last may not be so any more."""
 STILL = Point(0.0, 0.0, 0.0)
-SAVED = {"origin", "watch", "rng", "last", "outcome", "reason", "ended_for", "landing"}
+SAVED = {
+    *("origin", "origin_shift", "watch", "rng", "last"),
+    *("outcome", "reason", "ended_for", "landing"),
+}
 """What a saved flight holds besides its instance."""
 
 
@@ -73,7 +78,9 @@ class Pilot:
         self.outcome: str | None = None
         self._watch = Watch(thresholds or Thresholds())
         self._ended_for = 0.0
-        """Seconds since the mission ended in the air, without those in which others flew."""
+        """Seconds since the mission ended in the air, or it was heard again after a silence,
+        without those in which others are known to fly.
+        """
         self._landing_asked = -inf
         self._noted = "alive", "mission"
         """Link and authority as they were recorded last."""
@@ -162,18 +169,24 @@ class Pilot:
 
     def _note(self, seen: Observation) -> None:
         """Record a jump of the world frame, and changes of link and authority."""
-        jump = self.channel.jump
-        if jump is not None:
-            self.instance.record("jump", epoch=jump.epoch, offset=list(jump.offset))
+        self._note_jump()
         if self._noted == (seen.link, seen.authority):
             return
         link, authority = self._noted
         self._noted = seen.link, seen.authority
         if seen.link != link:
             self.instance.record("link", link=seen.link, age=round(seen.link_age, 3))
+            if link in SILENT and seen.link not in SILENT:
+                # It may not have heard of its landing before, which takes its time.
+                self._ended_for = 0.0
         if seen.authority != authority:
             reason = seen.authority_reason or None
             self.instance.record("authority", authority=seen.authority, reason=reason)
+
+    def _note_jump(self) -> None:
+        jump = self.channel.jump
+        if jump is not None:
+            self.instance.record("jump", epoch=jump.epoch, offset=list(jump.offset))
 
     def abort(self) -> None:
         """The operator asks to stop: ``operator.abort``, whose default is to land."""
@@ -215,23 +228,34 @@ class Pilot:
         self.instance.record("outcome", outcome=outcome, reason=self.reason or None)
 
     def _is_down(self) -> bool:
-        seen = self.channel.observation
-        return not seen.flying and not seen.armed
+        """Whether it is known to stand with its motors off, and has no order to change that."""
+        seen, order = self.channel.observation, self.channel.order
+        rests = order is None or order.ended
+        return rests and not (seen.flying or seen.armed or seen.link in SILENT)
+
+    def _is_flown_by_others(self) -> bool:
+        return self.channel.observation.authority in ("operator", "autopilot")
 
     def _bring_down(self, dt: float) -> None:
         """Hold, then land, and ask again for what is refused or lost on the way."""
         seen, landing = self.channel.observation, self.landing
-        if self._is_down() or seen.authority in ("operator", "autopilot"):
-            # Whoever else flies it is not disturbed: orders of ours would end a failsafe.
+        if self._is_down():
             return
-        if seen.link == "gone" and landing is not None and landing.ended:
+        if seen.link == "gone" and landing is not None and landing.state != "sent":
             raise VehicleError(
                 "link-gone",
                 f"the link to '{self.vehicle.name}' is gone; a landing was ordered, and the "
                 "vehicle is left to its own failsafe",
             )
-        timeout = SILENCE_TIMEOUT if seen.link in ("lost", "gone") else LANDING_TIMEOUT
+        silent = seen.link in SILENT
+        timeout = SILENCE_TIMEOUT if silent else LANDING_TIMEOUT
+        if self._is_flown_by_others() and (not silent or self._ended_for <= timeout):
+            # Whoever else flies it is not disturbed: orders of ours would end a failsafe.
+            self._ended_for += dt if silent else 0.0
+            return
         if self._ended_for > timeout:
+            if landing is None:
+                self._land()
             raise VehicleError("cannot-land", f"the vehicle did not land within {timeout:.0f} s")
         if landing is None and self._ended_for < HOLD_BEFORE_LANDING and seen.flying:
             self.vehicle.command(Hold())
@@ -293,6 +317,7 @@ def save_flight(pilot: Pilot) -> dict[str, Any]:
         **save(pilot.instance),
         "pilot": {
             "origin": pack(pilot.channel.frame.origin),
+            "origin_shift": pack(pilot.channel.frame.origin_shift),
             "watch": pilot._watch.progress(),
             "rng": pack(pilot.channel.rng.getstate()),
             "last": pack([*last]) if isinstance(last, Position) else None,
@@ -321,13 +346,16 @@ def resume_flight(
     if not isinstance(known, Mapping) or known.keys() != SAVED:
         raise _torn()
     try:
-        frame = MissionFrame(unpack(known["origin"]), places, geographic)
+        origin, origin_shift = unpack(known["origin"]), unpack(known["origin_shift"])
+        frame = MissionFrame(origin, places, geographic, origin_shift)
         pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
         _go_on(pilot, known)
     except TORN:
         raise _torn() from None
     load(pilot.instance, saved)
-    if known["landing"] is not None:
+    # The world frame may have jumped since it was saved.
+    pilot._note_jump()
+    if known["landing"] is not None and not pilot._is_flown_by_others():
         # The vehicle is at it already: this gives the order back.
         pilot.landing = vehicle.land()
     return pilot

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from math import inf
+from math import inf, isfinite
 from types import MappingProxyType
 from typing import Any, Generic, Self, TypeVar
 
 from hal.lights import Lights
 from hal.limits import Limits
-from hal.orders import Decision, Order, Orders
+from hal.orders import MOTION, Decision, Order, Orders
 from hal.vehicle import (
     ACCEPTED,
     PERIOD,
     PERIODS_PER_SECOND,
     VALIDITY,
     Answer,
+    Attitude,
     Camera,
     Hold,
     Observation,
+    Position,
     Sensor,
     Setpoint,
     Unavailable,
+    Velocity,
     VisionPose,
     is_finite,
 )
@@ -29,6 +32,10 @@ from vencejo.geometry import Point
 
 _EPSILON = 1e-9
 """Seconds within which two times count as equal."""
+_NEEDED: Mapping[type[Setpoint], str] = MappingProxyType(
+    {Velocity: "velocity", Position: "position", Attitude: "attitude"}
+)
+"""The capability that each kind of set-point needs; every vehicle can hold."""
 Decide = Callable[..., Decision]
 """Carries out a verb, of its arguments, as far as that can be done at once."""
 
@@ -78,10 +85,12 @@ class BaseVehicle:
     def begin_period(self, heard: bool = True) -> None:
         """Carry out what it was told since the last period.
 
-        Where nothing was ``heard`` of that, only the validity of the last set-point runs out.
+        Where nothing was ``heard`` of that, its set-point is lost, and the validity of the last one
+        runs out.
         """
-        if heard and self._given is not None:
-            (setpoint, valid_for), self._given = self._given, None
+        given, self._given = self._given, None
+        if heard and given is not None:
+            setpoint, valid_for = given
             self._expires = inf if isinstance(setpoint, Hold) else self._now + valid_for
             if self.orders.under_way:
                 self.orders.end("ended by a command")
@@ -90,17 +99,27 @@ class BaseVehicle:
             self._expires = inf
             if not self.refusal():
                 self.fly(Hold())
-        if heard and self.orders.sent:
+        if heard and (self.orders.sent or self.orders.superseded):
             for order in self.orders.take():
-                self._decide(order)
+                self._carry_out(order, self.decide(order))
 
-    def _decide(self, order: Order) -> None:
-        decision = self._decisions[order.verb](*order.arguments)
-        if decision.state == "accepted":
-            self.orders.accept(order)
-            self._expires = inf
-        else:
+    def decide(self, order: Order) -> Decision:
+        """Carry out an order as far as that can be done at once."""
+        return self._decisions[order.verb](*order.arguments)
+
+    def _carry_out(self, order: Order, decision: Decision) -> None:
+        if decision.state != "accepted":
             order.state, order.reason = decision
+            return
+        self.orders.accept(order)
+        if order.verb in MOTION:
+            self._expires = inf
+
+    def remaining_validity(self) -> float:
+        """Seconds from the last observation on for which its set-point is valid: a vehicle whose
+        period takes longer holds for the rest of it. Infinite where there is nothing to run out.
+        """
+        return self._expires - self._now
 
     def end_period(self, seen: Observation) -> None:
         """What is known at the end of a period; orders that took too long are lost."""
@@ -121,13 +140,18 @@ class BaseVehicle:
         return self._seen
 
     def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
-        """See the contract. Raises ValueError for numbers that are not finite."""
+        """See the contract. Raises ValueError for numbers that are not finite, or no validity."""
         if not is_finite(setpoint):
             raise ValueError(f"a set-point needs finite numbers: {setpoint}")
+        if not (isfinite(valid_for) and valid_for > 0):
+            raise ValueError(f"a set-point is valid for some seconds, not for {valid_for}")
+        needed = _NEEDED.get(type(setpoint))
+        if needed is not None and needed not in self.capabilities:
+            return Answer(False, f"the vehicle '{self._name}' has no capability '{needed}'")
         reason = self.refusal()
         if reason:
             return Answer(False, reason)
-        if self.orders.sent:
+        if self.orders.sent or self.orders.under_way:
             self.orders.supersede("ended by a command")
         self._given = setpoint, valid_for
         return ACCEPTED
@@ -167,7 +191,8 @@ class BaseVehicle:
 
     def configure(self, limits: Limits) -> Answer:
         """Refuses: a vehicle without the capability ``limits`` has none to change."""
-        limits.given()
+        if not limits.given():
+            return ACCEPTED
         return Answer(False, f"the vehicle '{self._name}' has no limits to change")
 
     def camera(self, name: str) -> Camera:

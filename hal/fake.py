@@ -1,7 +1,8 @@
 """A vehicle without physics, for the unit tests of what flies it.
 
-It moves exactly as it is told, at once and at limited speed, over flat ground at z = 0. Everything
-a test may want to go wrong is an attribute of :class:`FakeVehicle` or :class:`FakeSession`.
+It moves exactly as it is told, at once and at limited speed, over flat ground, at z = 0 until the
+origin jumps. Everything a test may want to go wrong is an attribute of :class:`FakeVehicle` or
+:class:`FakeSession`.
 """
 
 from __future__ import annotations
@@ -97,6 +98,8 @@ class FakeVehicle(BaseVehicle):
         self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
         self.limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
         """By the names they have in :class:`hal.limits.Limits`."""
+        self._ground = 0.0
+        """Its height, world frame, metres."""
         self._home = at
         self._epoch = 0
         self._shift = _STILL
@@ -124,6 +127,12 @@ class FakeVehicle(BaseVehicle):
         self.position = self.position.plus(shift)
         self._home = self._home.plus(shift)
         self._target = self._target.plus(shift)
+        self._ground += shift.z
+        for name in ("min_altitude", "max_altitude"):
+            self.limits[name] += shift.z
+
+    def _is_aloft(self) -> bool:
+        return self.position.z > self._ground
 
     # What carries out each verb, at the beginning of the next period.
 
@@ -131,13 +140,12 @@ class FakeVehicle(BaseVehicle):
         self.verbs.append(verb)
         return super().send(verb, *arguments)
 
-    def begin_period(self, heard: bool = True) -> None:
+    def decide(self, order: Order) -> Decision:
         """See BaseVehicle; the next verb is refused where a test asks for that."""
-        if heard and self.refuse_next is not None:
-            for order in self.orders.take():
-                order.state, order.reason = "refused", self.refuse_next or ""
-                self.refuse_next = None
-        super().begin_period(heard)
+        if self.refuse_next is None:
+            return super().decide(order)
+        reason, self.refuse_next = self.refuse_next, None
+        return refused(reason)
 
     def _decide_arm(self) -> Decision:
         empty = ("the battery is empty",) if self.battery <= 0 else ()
@@ -147,22 +155,22 @@ class FakeVehicle(BaseVehicle):
         return DONE
 
     def _decide_disarm(self) -> Decision:
-        if self._armed and self.position.z > 0:
+        if self._armed and self._is_aloft():
             return refused("the vehicle is in the air")
         self._stop_motors("the motors were stopped")
         return DONE
 
     def _decide_takeoff(self, altitude: float) -> Decision:
-        if self._mode in ("flying", "returning") and self.position.z > 0:
+        if self._mode in ("flying", "returning") and self._is_aloft():
             return DONE
         if self._mode == "stopped":
             return refused("the motors were stopped in the air")
-        if not 0 < altitude <= self.limits["max_altitude"]:
+        if not 0 < altitude <= self.limits["max_altitude"] - self._ground:
             return refused(f"{altitude:g} m is no altitude to rise to")
         armed = self._decide_arm()
         if armed is not DONE:
             return armed
-        self._target = self.position._replace(z=altitude)
+        self._target = self.position._replace(z=self._ground + altitude)
         self._mode = "taking-off"
         return UNDER_WAY
 
@@ -203,7 +211,7 @@ class FakeVehicle(BaseVehicle):
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
         self.orders.end(reason)
-        self._mode = "stopped" if self.position.z > 0 else "landed"
+        self._mode = "stopped" if self._is_aloft() else "landed"
 
     # Set-points.
 
@@ -218,7 +226,7 @@ class FakeVehicle(BaseVehicle):
             return self.authority_reason or f"the {self.authority} has authority"
         if self._mode == "stopped":
             return "the motors are stopped"
-        grounded = self.position.z <= 0 and self._mode != "flying"
+        grounded = not self._is_aloft() and self._mode != "flying"
         return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
 
     def fly(self, setpoint: Setpoint) -> None:
@@ -244,8 +252,10 @@ class FakeVehicle(BaseVehicle):
             self._stop_motors("the battery is empty")
         before, self._turning = self.position, 0.0
         if self._mode != "landed":
-            after = self._moved(step).plus(_times(self.wind, step))
-            self.position = before if self.stuck else after._replace(z=max(0.0, after.z))
+            # It holds once its set-point has run out, also within a period that comes late.
+            flown = min(step, self.remaining_validity())
+            after = self._moved(flown).plus(_times(self.wind, step))
+            self.position = before if self.stuck else after._replace(z=max(self._ground, after.z))
         self._velocity = _times(self.position.minus(before), 1 / step)
         self._reach()
         self.link_age = self.link_age + step if deaf else self.link_age
@@ -266,7 +276,7 @@ class FakeVehicle(BaseVehicle):
             rates=Point(0.0, 0.0, self._turning),
             battery=self.battery,
             armed=self._armed,
-            flying=self.position.z > 0.0,
+            flying=self._is_aloft(),
             mode=self._mode,
             home=self._home,
             health=self.health,
@@ -284,7 +294,7 @@ class FakeVehicle(BaseVehicle):
         if self._mode == "stopped":
             return self.position.plus((0.0, 0.0, -_FALL * step))
         if self._mode == "landing":
-            return self._towards(self.position._replace(z=0.0), step)
+            return self._towards(self.position._replace(z=self._ground), step)
         if self._mode in ("taking-off", "returning"):
             return self._towards(self._target, step)
         match self._setpoint:
@@ -341,7 +351,7 @@ class FakeVehicle(BaseVehicle):
             self._mode, self._setpoint = "flying", Hold()
         elif self._mode == "returning" and horizontal_distance(self.position, self._home) < 1e-6:
             self._mode = "landing"
-        elif self._mode in ("landing", "stopped") and self.position.z <= 0:
+        elif self._mode in ("landing", "stopped") and not self._is_aloft():
             self._stop_motors()
 
 

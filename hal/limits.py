@@ -14,8 +14,8 @@ from vencejo.units import ANGLE, LENGTH, SPEED, TURN_RATE, Dimension
 class Limits:
     """Settings that can be changed in flight; None leaves a limit as it is.
 
-    Altitudes are heights of the world frame here; missions and the command line count them above
-    home (see :meth:`raised`).
+    Altitudes are heights of the world frame here, and stay where they are when its origin jumps;
+    missions and the command line count them above home (see :meth:`raised`).
     """
 
     max_speed: float | None = None

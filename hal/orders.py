@@ -14,7 +14,7 @@ An order changes only inside the session's ``wait()``::
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
@@ -40,6 +40,8 @@ DONE_WITHIN: Mapping[str, float] = MappingProxyType(
 
 MANOEUVRES = frozenset({"takeoff", "land", "return_home"})
 """Orders that the vehicle flies by itself; a set-point ends them."""
+MOTION = frozenset(DONE_WITHIN) - {"lights"}
+"""Orders of which one ends another; lights are shown beside them."""
 
 
 @dataclass(slots=True, eq=False)
@@ -83,45 +85,60 @@ class Orders:
         """Not decided on yet."""
         self.under_way: dict[str, Order] = {}
         """Accepted, by verb."""
+        self.superseded: dict[Order, str] = {}
+        """Orders that count no more, with the reason that they are told in the next period."""
 
     def send(self, verb: str, *arguments: Any) -> Order:
-        """Take down a verb. One that is already sent or under way is that order again."""
-        last = self.sent[-1] if self.sent else self.under_way.get(verb)
-        again = last is not None and last.verb == verb and not last.reason
-        if last is not None and again and (last.state == "accepted" or last.arguments == arguments):
+        """Take down a verb. One that is already sent or under way is that order again, unless it
+        was superseded, or another verb of motion was sent since.
+        """
+        motion = verb in MOTION
+        alike = [order for order in self.sent if (order.verb in MOTION) == motion]
+        last = alike[-1] if alike else self.under_way.get(verb)
+        # A manoeuvre under way goes on whatever it is asked for anew; lights change.
+        again = last is not None and last.verb == verb and last not in self.superseded
+        going_on = last is not None and last.state == "accepted" and motion
+        if last is not None and again and (going_on or last.arguments == arguments):
             return last
         order = Order(verb, arguments)
         self.sent.append(order)
         return order
 
     def supersede(self, reason: str) -> None:
-        """A set-point came after what was sent in this period: orders to fly count no more."""
-        for order in self.sent:
+        """A set-point came after what was told so far: orders to fly count no more."""
+        for order in (*self.sent, *self.under_way.values()):
             if order.verb in MANOEUVRES:
-                order.reason = reason
+                self.superseded[order] = reason
 
     def take(self) -> list[Order]:
         """The orders to decide on now, in the sequence in which they were sent."""
         sent, self.sent = self.sent, []
+        superseded, self.superseded = self.superseded, {}
         for order in sent:
-            if order.reason:
-                order.state = "refused"
+            if order in superseded:
+                order.state, order.reason = "refused", superseded[order]
         return [order for order in sent if not order.ended]
 
     def accept(self, order: Order) -> None:
-        """The vehicle carries it out; whatever was under way ends."""
-        self.end(f"ended by: {order.verb}")
+        """The vehicle carries it out; what was under way ends, but for lights and motion beside
+        each other.
+        """
+        self.end(f"ended by: {order.verb}", MOTION if order.verb in MOTION else {order.verb})
         order.state = "accepted"
         self.under_way[order.verb] = order
 
-    def end(self, reason: str = "") -> None:
-        """All that is under way is done or, with a reason, refused."""
-        for order in self.under_way.values():
+    def end(self, reason: str = "", verbs: Set[str] = MOTION) -> None:
+        """What is under way of these verbs is done or, with a reason, refused."""
+        if not self.under_way:
+            return
+        for verb in [verb for verb in self.under_way if verb in verbs]:
+            order = self.under_way.pop(verb)
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
-        self.under_way.clear()
 
     def expire(self, now: float) -> None:
         """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
+        if not self.sent and not self.under_way:
+            return
         for order in self.sent:
             if _age(order, now) >= ANSWER_WITHIN:
                 order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"

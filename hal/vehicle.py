@@ -318,7 +318,8 @@ class Vehicle(Protocol):
         It ends a take-off, a landing or a return under way. After ``valid_for`` seconds without a
         new one the vehicle holds, whoever hangs: counted by the session's clock in a simulator, by
         the wall clock on a link. Refused on the ground, while somebody else has authority, and for
-        a kind that its capabilities lack. Raises ValueError for numbers that are not finite.
+        a kind that its capabilities lack. Raises ValueError for numbers that are not finite, and a
+        validity that is not above 0.
         """
 
     def camera(self, name: str) -> Camera:
@@ -360,13 +361,15 @@ class Session(Protocol):
 
         A simulator steps its physics and always makes one PERIOD; a real link waits, and where
         nothing is heard its clock goes on by the wall clock. The first call waits for the vehicles
-        to be heard. Raises VehicleError when one is not heard within ``Options.connect_timeout``,
-        and when the simulator is gone; a link that is lost later is told by observations.
+        to be heard, and makes one PERIOD however long that takes. Raises VehicleError when one is
+        not heard within ``Options.connect_timeout``, and when the simulator is gone; a link that is
+        lost later is told by observations.
         """
 
     def __enter__(self) -> Session: ...
 
-    def __exit__(self, *exc: object) -> None: ...
+    def __exit__(self, *exc: object) -> None:
+        """Close the links, once what the vehicles were told last has been sent."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -129,16 +129,18 @@ class _Craft:
         try:
             self.pilot.period(dt)
         except VehicleError as error:
-            self.failure = error
+            self.lose(error)
         channel = self.pilot.channel
         position = channel.world.position
+        if self._last is not None and channel.jump is not None:
+            self._last = self._last.plus(channel.jump.offset)
         if self._last is not None:
             self.distance += distance(self._last, position)
         self.max_altitude = max(self.max_altitude, position.z - channel.frame.origin.z)
         self._last = position
 
     def lose(self, error: VehicleError) -> None:
-        """Its backend has failed: order the landing all the same."""
+        """It or its backend has failed: order the landing all the same."""
         self.failure = error
         self.pilot.land_now(error.faults[0].message, "failed")
 
@@ -170,13 +172,15 @@ class _Log:
             for craft in crafts:
                 self._recorder.follow(craft.pilot)
 
-    def take(self, pilot: Pilot) -> list[Record]:
-        """The records of a pilot's period, written; none where they cannot be."""
+    def take(self, pilot: Pilot, *, period: bool = True) -> list[Record]:
+        """The records of a pilot, written, with the row of telemetry of its ``period``; none where
+        they cannot be.
+        """
         if self._recorder is None or self.failure is not None:
             records, pilot.instance.records = pilot.instance.records, []
             return records
         try:
-            return self._recorder.take(pilot)
+            return self._recorder.take(pilot) if period else self._recorder.take_records(pilot)
         except UserError as error:
             self.failure = error
             return []
@@ -248,7 +252,7 @@ def fly(
                 except VehicleError as error:
                     for craft in aloft:
                         craft.lose(error)
-                    _show(aloft, log, watchers)
+                    _show(aloft, log, watchers, period=False)
                     break
         log.end()
         wall_time = time.perf_counter() - began
@@ -256,10 +260,12 @@ def fly(
         return Summary(header, flown, wall_time, answered > 0, known)
 
 
-def _show(crafts: Iterable[_Craft], log: _Log, watchers: Iterable[Watcher]) -> None:
-    """Write down and show what the vehicles have just done."""
+def _show(
+    crafts: Iterable[_Craft], log: _Log, watchers: Iterable[Watcher], *, period: bool = True
+) -> None:
+    """Write down and show what the vehicles have just done, in a new ``period`` or not."""
     for craft in crafts:
-        records = log.take(craft.pilot)
+        records = log.take(craft.pilot, period=period)
         for watcher in watchers:
             watcher.show(craft.pilot, records)
 

@@ -116,18 +116,9 @@ class Recorder:
 
     def take(self, pilot: Pilot) -> list[Record]:
         """Write one period of a pilot: its records, now empty, and a row of telemetry."""
-        records = pilot.instance.records
+        records = self.take_records(pilot)
         seen = pilot.channel.world
         vehicle = pilot.vehicle.name
-        if records:
-            pilot.instance.records = []
-            lines = []
-            for kind, fields in records:
-                entry = entry_fields(self._sequence, seen.time, vehicle, kind, fields)
-                lines.append(encode(entry))
-                self._sequence += 1
-            self._events.append(lines)
-            self._states[vehicle] = pilot.instance.paths()
         # Formatted many at a time: one by one they would take twice as long.
         self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
         if len(self._rows) == _ROWS_AT_ONCE:
@@ -136,6 +127,22 @@ class Recorder:
             self._write_frames()
         if self._measured:
             self._write_readings()
+        return records
+
+    def take_records(self, pilot: Pilot) -> list[Record]:
+        """Write the records of a pilot, now empty."""
+        records = pilot.instance.records
+        vehicle = pilot.vehicle.name
+        if records:
+            pilot.instance.records = []
+            lines = []
+            for kind, fields in records:
+                time = pilot.channel.world.time
+                entry = entry_fields(self._sequence, time, vehicle, kind, fields)
+                lines.append(encode(entry))
+                self._sequence += 1
+            self._events.append(lines)
+            self._states[vehicle] = pilot.instance.paths()
         return records
 
     def _write_rows(self) -> None:

@@ -30,6 +30,8 @@ _STOPPED_TURNING = 0.05
 """Slower than this, a turn is over and the heading is kept, rad/s."""
 _LEAST_LIFT = 0.5
 """Cosine of the tilt beyond which the load factor grows no more."""
+_LEAST_THRUST = 1e-6
+"""Share of the largest thrust: with none at all its direction, the tilt, would not be defined."""
 
 
 class Controller:
@@ -118,7 +120,9 @@ class Controller:
         self._velocity = (0.0, 0.0, climb)
         self._in_heading = False
         self._tilt = tan(_clamped(pitch, self.max_tilt)), -tan(_clamped(roll, self.max_tilt))
-        self._thrust = None if thrust is None else _clamped(thrust, 1.0) * self._max_thrust
+        if thrust is not None:
+            thrust = max(_LEAST_THRUST, min(1.0, thrust)) * self._max_thrust
+        self._thrust = thrust
 
     def stay_over(self, x: float, y: float) -> None:
         """Be over a place; the height is left as it was."""

@@ -69,7 +69,7 @@ class SimSession:
             if not alone:
                 height = airframe.size[2]
                 context.appearances |= lamp_things(name, arm=airframe.arm, height=height)
-            vehicle.cameras = {
+            cameras = {
                 camera: SimCamera(name, camera, spec, context, self._steps)
                 for camera, spec in settings.cameras.items()
             }
@@ -77,7 +77,7 @@ class SimSession:
                 sensor: SimRangefinder(spec, physics, vehicle.pose_history)
                 for sensor, spec in settings.sensors.items()
             }
-            vehicle.sensors = sensors
+            vehicle.fit(cameras, sensors)
             self._rangefinders += sensors.values()
         for rangefinder in self._rangefinders:
             rangefinder.sample(0)

@@ -98,6 +98,7 @@ class SimVehicle(BaseVehicle):
         self.pose_history = PoseHistory()
         self._keep = self.pose_history.append
         self._keep(self._state)
+        self.capabilities = CAPABILITIES
         self.cameras: Mapping[str, Camera] = {}
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = Controller(airframe)
@@ -135,10 +136,11 @@ class SimVehicle(BaseVehicle):
 
     # What is known of it.
 
-    @property
-    def capabilities(self) -> frozenset[str]:  # type: ignore[override]
-        cameras = {f"camera.{name}" for name in self.cameras}
-        return CAPABILITIES | cameras | {f"sensor.{name}" for name in self.sensors}
+    def fit(self, cameras: Mapping[str, Camera], sensors: Mapping[str, Sensor]) -> None:
+        """Mount cameras and sensors, by name."""
+        self.cameras, self.sensors = cameras, sensors
+        mounted = {f"camera.{name}" for name in cameras} | {f"sensor.{name}" for name in sensors}
+        self.capabilities = CAPABILITIES | mounted
 
     def _observed(self) -> Observation:
         (x, y, z), attitude, velocity, turning = self._state
@@ -454,7 +456,7 @@ class SimVehicle(BaseVehicle):
         elif self._braking:
             self._stay_where_it_stops()
             controller.height = None if self._braking else self._target
-        elif position.z > self._target - _ARRIVED:
+        elif position.z > min(self._target, controller.max_altitude) - _ARRIVED:
             controller.fly_to(self._home.x, self._home.y, self._target)
 
     def _stay_where_it_stops(self) -> None:

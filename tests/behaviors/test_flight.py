@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, isclose, pi, radians
+from math import cos, inf, isclose, nan, pi, radians
 from random import Random
 from typing import Any
 
@@ -27,6 +27,7 @@ from hal.vehicle import (
     Intrinsics,
     Position,
     Reading,
+    Setpoint,
     Velocity,
 )
 from tests.behaviors.flying import airborne, observed
@@ -181,6 +182,23 @@ def test_the_mission_frame_follows_when_the_world_s_origin_jumps() -> None:
     assert channel.frame.origin == HOME.plus((2.0, -1.0, 0.5))
 
 
+def test_what_people_write_down_is_in_the_world_frame_before_any_jump() -> None:
+    frame = MissionFrame(HOME, {"gate": Point(12.0, -20.0, 3.0)}, (40.0, -3.0, 600.0))
+    given = ("gate", {"x": 7.0, "frame": "world"}, {"lat": 40.001, "lon": -3.001}, {"left": 1.0})
+    before = [frame.point(each, seen()) for each in given]
+    frame.follow(Point(30.0, -20.0, 4.0))
+    assert frame.follow(Point(31.0, -20.0, 5.0)) == (1.0, 0.0, 1.0)
+    late = MissionFrame(frame.origin, {"gate": Point(12.0, -20.0, 3.0)}, (40.0, -3.0, 600.0),
+                        Point(31.0, -20.0, 5.0))  # fmt: skip
+    for each in (frame, late):
+        for point, there in zip(given, before, strict=True):
+            assert distance(each.point(point, seen()), there) < 1e-9
+    begun = MissionFrame.at_start(
+        seen(START)._replace(origin_shift=Point(1.0, 2.0, 3.0)), {"gate": START}
+    )
+    assert begun.point("gate", seen()) == (1.0, 2.0, 3.0)
+
+
 def test_the_frame_begins_at_home_or_where_the_vehicle_is() -> None:
     here = seen(START)
     assert MissionFrame.at_start(here).origin == START
@@ -307,6 +325,15 @@ def test_reading_is_free() -> None:
 
 def test_one_that_is_being_stopped_commands_nothing() -> None:
     mine, _ = flight("motion")
-    mine.stopping = True
+    mine.may_command = False
     with pytest.raises(NotInControl, match="being stopped"):
         mine.command(Hold())
+
+
+@pytest.mark.parametrize(
+    "setpoint", [Velocity(x=nan), Position(Point(0.0, inf, 0.0)), Attitude(nan)]
+)
+def test_a_set_point_without_finite_numbers_is_a_mistake(setpoint: Setpoint) -> None:
+    mine, _ = flight("motion")
+    with pytest.raises(ValueError, match="finite"):
+        mine.command(setpoint)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from math import nan
+from typing import Any, ClassVar
 
-from behaviors import Behavior, BehaviorParams, describe, param
+from behaviors import Behavior, BehaviorParams, NotInControl, describe, param
 from hal import Lights
 from hal.vehicle import Hold, Velocity
 from tests.behaviors.flying import Rig
@@ -104,7 +105,38 @@ class Last(Behavior):
         flight.command(Velocity(x=9.0))
 
 
-OWN = {info.name: info for info in map(describe, (Meddler, Ringer, Lamp, Last))}
+class Teller(Behavior):
+    """Commands when it is asked for its progress, and after it was stopped, which it may not."""
+
+    outcomes: Mapping[str, type | None] = {}  # type: ignore[misc]
+    raised: ClassVar[list[Exception]] = []
+
+    def start(self, flight: Any, progress: Any = None) -> None:
+        self.flight = flight
+        flight.command(Hold())
+
+    def step(self, flight: Any) -> None:
+        return None
+
+    def progress(self) -> dict[str, Any]:
+        for command in (self.flight.land, lambda: self.flight.command(Velocity(x=9.0))):
+            try:
+                command()
+            except NotInControl as error:
+                self.raised.append(error)
+        return {}
+
+
+class Stray(Behavior):
+    """Commands a velocity that is no number."""
+
+    outcomes: Mapping[str, type | None] = {}  # type: ignore[misc]
+
+    def step(self, flight: Any) -> None:
+        flight.command(Velocity(x=nan))
+
+
+OWN = {info.name: info for info in map(describe, (Meddler, Ringer, Lamp, Last, Teller, Stray))}
 
 
 def two(companion: str, handlers: str) -> str:
@@ -143,6 +175,35 @@ def test_what_one_raises_and_publishes_in_its_stop_is_its_own() -> None:
     rig.run(30)
     assert rig.pilot.outcome == "done"
     assert not [fields for kind, fields in rig.records if kind == "error"]
+
+
+def alone(behavior: str, handlers: str = "") -> str:
+    """A mission in which this behaviour has motion for 2 s."""
+    text = two("", handlers).replace("do: \n    ", "")
+    return text.replace("do: move, with: {forward: 2 m/s}", f"do: {behavior}")
+
+
+def test_one_that_tells_its_progress_commands_nothing() -> None:
+    Teller.raised.clear()
+    rig = Rig(alone("teller"), own=OWN)
+    rig.until_in("fly.go")
+    rig.run(0.5)
+    rig.pilot.instance.post("operator.takeover")
+    rig.period()
+    assert rig.pilot.instance.suspended_at is not None
+    assert ["asked for its progress" in str(error) for error in Teller.raised] == [True, True]
+    assert rig.vehicle.verbs == ["takeoff"]
+    # When it goes on, it commands again.
+    rig.pilot.instance.post("operator.release")
+    rig.run(30)
+    assert rig.pilot.outcome == "done" and set(rig.vehicle.commands) == {Hold()}
+
+
+def test_a_velocity_that_is_no_number_is_the_failure_of_its_behaviour() -> None:
+    rig = Rig(alone("stray", "failed: {target: land, actions: {log: $event.reason}}"), own=OWN)
+    rig.run(30)
+    assert rig.pilot.outcome == "done"
+    assert [text.startswith("ValueError: a set-point needs") for text in logged(rig)] == [True]
 
 
 def test_lights_are_controlled_beside_motion() -> None:

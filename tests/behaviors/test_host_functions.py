@@ -70,6 +70,7 @@ def test_a_profile_is_taken_whole_and_single_limits_go_over_it() -> None:
         ("{limits: {profile: indor}}", "there is no profile 'indor' (did you mean 'indoor'?)"),
         ("{limits: {max_altitude: 1 m, min_altitude: 2 m}}", "must be below"),
         ("{limits: {max_speed: 0 m/s}}", "'max_speed' must be a number above 0"),
+        ("{limits: {profile: indoor, max_speed: 0 m/s}}", "'max_speed' must be a number above 0"),
         ("{limits: {min_altitude: 200 m, max_altitude: 100 m}}", "must be below"),
     ],
 )

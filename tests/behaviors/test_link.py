@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from behaviors.pilot import LANDING_TIMEOUT, SILENCE_TIMEOUT
+from behaviors.vocabulary import EVENTS
 from hal.fake import FakeSession
+from hal.limits import Limits
 from hal.orders import ANSWER_WITHIN
 from hal.vehicle import PERIOD, Hold, Options, Velocity
 from tests.behaviors.flying import Rig
@@ -95,6 +99,57 @@ def test_a_link_that_is_gone_ends_the_flight_once_a_landing_was_ordered() -> Non
     assert rig.pilot.landing is not None and rig.pilot.landing.state == "lost"
     assert (rig.pilot.outcome, rig.pilot.reason) == ("failed", "the link to the vehicle is gone")
     assert [fields["text"] for fields in of_kind(rig, "log")] == ["lost"]
+
+
+def test_a_link_that_is_gone_waits_for_no_landing_under_way() -> None:
+    rig = hovering()
+    rig.pilot.land_now()
+    rig.run(0.5)
+    assert rig.pilot.landing is not None and rig.pilot.landing.state == "accepted"
+    rig.vehicle.gone = True
+    with pytest.raises(VehicleError, match="link"):
+        rig.period()
+
+
+def test_a_link_that_is_lost_for_long_and_comes_back_lands_it() -> None:
+    rig = hovering()
+    rig.vehicle.silent = True
+    rig.run(LANDING_TIMEOUT + 100)
+    rig.vehicle.silent, rig.vehicle.link_age = False, 0.0
+    rig.run(60)
+    assert rig.pilot.finished and rig.vehicle.position.z == 0
+
+
+GROUND = """
+mission: ground
+states:
+  wait: {after: {1 s: takeoff}}
+  takeoff: {do: takeoff, with: {altitude: 3 m}, on: {done: land}}
+  land: {do: land, on: {done: finish}}
+  finish: {type: final}
+"""
+
+
+@pytest.mark.parametrize(("how", "code"), [("gone", "link-gone"), ("silent", "cannot-land")])
+def test_a_vehicle_not_heard_any_more_is_not_known_to_stand(how: str, code: str) -> None:
+    rig = Rig(GROUND)
+    # The take-off is given, and whether it is heard nobody knows.
+    rig.until_in("takeoff")
+    setattr(rig.vehicle, how, True)
+    with pytest.raises(VehicleError) as raised:
+        rig.run(SILENCE_TIMEOUT + 20)
+    assert raised.value.code == code
+    assert not rig.vehicle.observe().flying and rig.vehicle.verbs[-1] == "land"
+
+
+def test_a_takeoff_that_was_just_given_is_not_left_to_itself() -> None:
+    rig = Rig(GROUND)
+    rig.until_in("takeoff")
+    assert rig.vehicle.verbs == ["takeoff"]
+    rig.pilot.land_now()
+    assert not rig.pilot.finished and rig.vehicle.verbs == ["takeoff", "land"]
+    rig.run(10)
+    assert rig.pilot.finished and rig.vehicle.position.z == 0
 
 
 def test_a_vehicle_that_is_not_heard_is_an_error_with_what_to_try() -> None:
@@ -192,6 +247,13 @@ def test_what_a_backend_posts_is_urgent_and_lands_unless_handled(
     assert handled.pilot.instance.is_active("fly")
 
 
+def test_every_event_stands_in_the_guide_with_who_makes_it() -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "backends.md").read_text("utf-8")
+    families = "|".join({name.partition(".")[0] for name in EVENTS})
+    section = guide.partition("**Who commands.**")[2].partition("**Set-points.**")[0]
+    assert set(re.findall(rf"`((?:{families})\.[a-z]+)`", section)) == set(EVENTS)
+
+
 def test_good_news_needs_no_handler() -> None:
     rig = hovering("position.restored: {actions: {log: found}}")
     rig.vehicle.tell("position.restored")
@@ -210,6 +272,44 @@ def test_a_failsafe_of_the_autopilot_is_not_disturbed() -> None:
     rig.run(60)
     assert rig.pilot.outcome == "failed" and "land" not in rig.vehicle.verbs
     assert rig.pilot.reason == "nothing handled autopilot.failsafe: radio lost"
+
+
+@pytest.mark.parametrize("whose", ["operator", "autopilot"])
+def test_a_link_that_is_gone_ends_the_flight_whoever_flies(whose: Any) -> None:
+    rig = hovering()
+    rig.vehicle.authority = whose
+    rig.period()
+    rig.vehicle.gone = True
+    with pytest.raises(VehicleError) as raised:
+        rig.run(10)
+    assert raised.value.code == "link-gone" and rig.vehicle.verbs[-1] == "land"
+
+
+@pytest.mark.parametrize("whose", ["operator", "autopilot"])
+def test_a_silence_while_somebody_else_flies_ends_too(whose: Any) -> None:
+    rig = hovering()
+    rig.vehicle.authority = whose
+    rig.period()
+    rig.vehicle.silent = True
+    rig.run(SILENCE_TIMEOUT - 10)
+    assert "land" not in rig.vehicle.verbs
+    with pytest.raises(VehicleError) as raised:
+        rig.run(20)
+    assert raised.value.code == "cannot-land" and rig.vehicle.verbs[-1] == "land"
+
+
+def test_who_takes_over_during_the_landing_is_left_alone_until_he_gives_back() -> None:
+    rig = hovering()
+    rig.pilot.land_now()
+    rig.run(0.5)
+    take_over(rig)
+    rig.vehicle.orders.end("mode POSCTL")
+    rig.vehicle.fly(Hold())
+    rig.run(20)
+    assert rig.vehicle.verbs.count("land") == 1
+    rig.vehicle.authority = "mission"
+    rig.run(20)
+    assert rig.pilot.finished and rig.vehicle.verbs.count("land") == 2
 
 
 # -- late periods, jumps ------------------------------------------------------------------------
@@ -239,6 +339,43 @@ def test_a_jump_of_the_world_s_origin_moves_nothing() -> None:
     assert distance(rig.vehicle.position, (7, -2, 3.5)) < 1e-6
     assert distance(rig.pilot.channel.observation.position, (2, 1, 3)) < 1e-6
     assert of_kind(rig, "jump") == [{"epoch": 1, "offset": [5.0, -3.0, 0.5]}]
+
+
+@pytest.mark.parametrize(
+    ("do", "end"),
+    [
+        ("{do: goto, with: {to: [6, 2, 3]}, on: {done: land, blocked: finish}}", (6, 2)),
+        ("{do: goto, with: {to: {x: 6, y: 2, frame: world}}, on: {done: land, blocked: finish}}",
+         (6, 2)),
+        ("{do: goto, live: {to: gate}, on: {done: land, blocked: finish}}", (5, -1)),
+        ("{do: route, with: {points: [[3, 0], {left: 2 m}, gate], speed: 1 m/s},"
+         " on: {done: land, blocked: finish}}", (5, -1)),
+    ],
+)  # fmt: skip
+def test_jumps_lead_no_flight_astray(do: str, end: tuple[float, float]) -> None:
+    text = FLIGHT.replace("{do: hover, after: {3600 s: land}, on: {HANDLER}}", do)
+    rig = Rig(text, places={"gate": Point(5.0, -1.0, 3.0)})
+    rig.until_in("fly")
+    jumped = Point(0.0, 0.0, 0.0)
+    for shift in (Point(50.0, -30.0, 2.0), Point(-7.0, 0.0, -1.0), Point(0.1, 0.2, 0.3)):
+        rig.run(1)
+        rig.vehicle.jump(shift)
+        jumped = jumped.plus(shift)
+    rig.until_in("land")
+    assert distance(rig.vehicle.position, jumped.plus((*end, 3.0))) < 0.5
+    assert [fields["epoch"] for fields in of_kind(rig, "jump")] == [1, 2, 3]
+
+
+def test_the_ceiling_stays_where_it_is_when_the_origin_jumps() -> None:
+    rig = hovering()
+    rig.pilot.channel.configure(Limits(max_altitude=4.0))
+    rig.vehicle.jump(Point(0.0, 0.0, 10.0))
+    rig.period()
+    for _ in range(200):
+        rig.vehicle.command(Velocity(z=1.0))
+        rig.session.wait()
+    rig.period()
+    assert rig.pilot.channel.observation.position.z == pytest.approx(4.0)
 
 
 def test_a_vehicle_that_nobody_commands_holds() -> None:

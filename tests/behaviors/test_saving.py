@@ -10,9 +10,10 @@ import pytest
 from behaviors.activity import DroneActivity
 from behaviors.pilot import resume_flight, save_flight
 from fsm.values.packing import pack, unpack
+from hal.vehicle import Hold
 from tests.behaviors.flying import Rig, Solo
 from vencejo.errors import UserError
-from vencejo.geometry import distance
+from vencejo.geometry import Point, distance
 
 TRIP = """
 mission: trip
@@ -148,6 +149,42 @@ def test_a_mission_that_ended_in_the_air_is_still_brought_down() -> None:
     assert (rig.pilot.finished, rig.pilot.outcome, rig.vehicle.position.z) == (True, "done", 0.0)
 
 
+def test_a_jump_between_saving_and_resuming_leads_nothing_astray() -> None:
+    """The frame follows a jump that nobody saw, and one from before is not followed again."""
+    rig = Rig(TRIP.replace("{forward: 2 m, left: 1 m}", "[2, 1, 2]"))
+    rig.until_in("out")
+    rig.run(0.5)
+    shift = Point(40.0, -20.0, 3.0)
+    for unseen in (False, True):
+        rig.vehicle.jump(shift)
+        if unseen:
+            rig.session.wait()
+        else:
+            rig.period()
+        again(rig)
+        rig.run(0.2)
+    rig.until_in("look")
+    assert distance(rig.vehicle.position, shift.plus(shift).plus((2, 1, 2))) < 0.3
+    assert [fields["epoch"] for kind, fields in rig.records if kind == "jump"] == [1, 2]
+
+
+def test_who_flies_meanwhile_is_not_landed_by_resuming() -> None:
+    rig = Rig(HOVER)
+    rig.until_in("stay")
+    rig.pilot.land_now()
+    rig.run(0.2)
+    rig.vehicle.authority = "operator"
+    rig.vehicle.orders.end("mode POSCTL")
+    rig.vehicle.fly(Hold())
+    rig.run(0.2)
+    again(rig)
+    rig.run(5)
+    assert rig.vehicle.verbs.count("land") == 1
+    rig.vehicle.authority = "mission"
+    rig.run(20)
+    assert rig.pilot.finished and rig.vehicle.verbs.count("land") == 2
+
+
 def test_draws_go_on() -> None:
     rig = Rig(HOVER)
     rig.pilot.channel.rng.random()
@@ -168,7 +205,7 @@ def test_a_flight_with_a_part_missing_is_refused(part: str) -> None:
     assert refused.value.code == "torn-save"
 
 
-@pytest.mark.parametrize("part", ["origin", "watch", "rng", "last"])
+@pytest.mark.parametrize("part", ["origin", "origin_shift", "watch", "rng", "last"])
 def test_a_flight_with_a_part_of_another_form_is_refused(part: str) -> None:
     rig = Rig(HOVER)
     rig.run(1.0)

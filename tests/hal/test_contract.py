@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from math import nan, pi
+from math import inf, nan, pi
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,7 @@ def near(place: Point, x: float, y: float, z: float, tolerance: float = 0.05) ->
 def test_nothing_is_known_before_the_first_wait(fresh: Session) -> None:
     with pytest.raises(RuntimeError, match="before the first wait"):
         only(fresh).observe()
-    fresh.wait()
+    assert fresh.wait() == PERIOD
     assert only(fresh).observe().time == PERIOD
 
 
@@ -384,6 +384,18 @@ def test_lights_can_be_set_anywhere(session: Session) -> None:
     assert first is not second and first.state == second.state == "done"
 
 
+def test_lights_come_between_no_orders_of_motion(session: Session) -> None:
+    vehicle = needs(session, "lights")
+    first = vehicle.takeoff(3.0)
+    vehicle.lights(Lights("solid"))
+    assert vehicle.takeoff(3.0) is first
+    wait(session, 0.5)
+    lights = vehicle.lights(Lights("off"))
+    assert vehicle.takeoff(3.0) is first
+    finish(session, first, 6)
+    assert lights.state == "done" and vehicle.observe().mode == "flying"
+
+
 @pytest.mark.parametrize("altitude", [0.0, -1.0, nan])
 def test_an_altitude_that_is_none_is_refused(session: Session, altitude: float) -> None:
     assert decided(session, only(session).takeoff(altitude)).state == "refused"
@@ -442,6 +454,46 @@ def test_the_last_word_of_a_period_counts(session: Session) -> None:
     vehicle.command(Velocity(z=1.0))
     landing = decided(session, vehicle.land())
     assert landing.state == "accepted" and vehicle.observe().mode == "landing"
+
+
+def test_what_a_command_ends_is_told_in_wait(session: Session) -> None:
+    vehicle = take_off(session)
+    landing = vehicle.land()
+    vehicle.command(Hold())
+    assert (landing.state, landing.reason) == ("sent", "")
+    session.wait()
+    assert (landing.state, landing.reason) == ("refused", "ended by a command")
+
+
+def test_an_order_after_a_command_is_a_new_one(session: Session) -> None:
+    vehicle = take_off(session)
+    first = decided(session, vehicle.land())
+    vehicle.command(Velocity(z=1.0))
+    second = decided(session, vehicle.land())
+    assert (first.state, first.reason) == ("refused", "ended by a command")
+    assert second.state == "accepted" and vehicle.observe().mode == "landing"
+    finish(session, second, 10)
+
+
+@pytest.mark.parametrize(
+    ("setpoint", "capability"),
+    [(Velocity(), "velocity"), (Position(ORIGIN), "position"), (Attitude(), "attitude")],
+)
+def test_a_kind_of_set_point_that_it_lacks_is_refused(
+    session: Session, setpoint: Setpoint, capability: str
+) -> None:
+    vehicle = take_off(session)
+    answer = vehicle.command(setpoint)
+    assert answer.accepted == (capability in vehicle.capabilities)
+    assert answer.accepted or f"'{capability}'" in answer.reason
+
+
+@pytest.mark.parametrize("seconds", [nan, inf, 0.0, -1.0])
+def test_a_set_point_needs_a_validity(session: Session, seconds: float) -> None:
+    vehicle = take_off(session)
+    with pytest.raises(ValueError, match="valid"):
+        vehicle.command(Velocity(x=1.0), valid_for=seconds)
+    assert wait(session, 0.5)[-1].velocity.norm() < 0.02
 
 
 def test_a_set_point_is_valid_for_a_short_time(session: Session) -> None:
@@ -543,6 +595,16 @@ def test_a_tilt_can_be_a_share_of_the_limits(session: Session) -> None:
     assert (steep.x**2 + steep.y**2) ** 0.5 < 9.81 * 0.21
 
 
+@pytest.mark.parametrize("thrust", [0.0, -1.0])
+def test_without_thrust_it_falls(thrust: float) -> None:
+    with open_session(Options()) as session:
+        take_off(session, 30)
+        seen = wait(session, 1, Attitude(pitch=0.2, thrust=thrust))
+        # Free fall, and not pushed down.
+        assert seen[-1].velocity.z == pytest.approx(-9.81, rel=0.02)
+        assert wait(session, 4, Hold())[-1].velocity.norm() < 0.05
+
+
 # Limits.
 
 
@@ -576,6 +638,20 @@ def test_the_lowest_altitude_binds_neither_takeoff_nor_landing(session: Session)
     assert abs(vehicle.observe().position.z) < 0.002
     finish(session, vehicle.takeoff(1.0), 6)
     assert near(wait(session, 1)[-1].position, 0, 0, 1)
+
+
+def test_it_returns_below_a_ceiling_that_came_down(session: Session) -> None:
+    needs(session, "limits", "return_home")
+    vehicle = take_off(session, 3)
+    wait(session, 5, Position(Point(3.0, 0.0, 3.0)))
+    order = decided(session, vehicle.return_home())
+    vehicle.configure(Limits(max_altitude=3.5))
+    finish(session, order, 30)
+    assert near(vehicle.observe().position, 0, 0, 0, 0.1)
+
+
+def test_to_change_no_limit_is_accepted(session: Session) -> None:
+    assert only(session).configure(Limits()) == ACCEPTED
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, nan])

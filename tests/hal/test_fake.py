@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from hal.fake import FakeSession
-from hal.vehicle import Hold, Position, Velocity
+from hal.lights import Lights
+from hal.vehicle import VALIDITY, Hold, Position, Velocity
 from tests.hal.flying import decided, take_off, wait
 from vencejo.geometry import Point
 
@@ -30,6 +31,37 @@ def test_it_refuses_the_next_verb_once(verb: str) -> None:
     order = decided(session, getattr(vehicle, verb)())
     assert (order.verb, order.state, order.reason) == (verb, "refused", "the compass spins")
     assert decided(session, getattr(vehicle, verb)()).state == "done"
+
+
+def test_only_the_next_of_two_verbs_is_refused() -> None:
+    session = FakeSession()
+    vehicle = take_off(session)
+    session.vehicles["drone"].refuse_next = "not now"
+    landing, lights = vehicle.land(), vehicle.lights(Lights("solid"))
+    session.wait()
+    assert (landing.state, landing.reason, lights.state) == ("refused", "not now", "done")
+
+
+def test_a_set_point_runs_out_within_a_late_period() -> None:
+    session = FakeSession()
+    vehicle = take_off(session)
+    before = vehicle.observe().position.x
+    vehicle.command(Velocity(x=1.0))
+    session.late = 5.0
+    assert session.wait() == pytest.approx(5.025)
+    assert vehicle.observe().position.x - before == pytest.approx(VALIDITY)
+    session.wait()
+    assert vehicle.observe().velocity.norm() == 0
+
+
+def test_a_set_point_that_was_not_heard_is_not_flown_later() -> None:
+    session = FakeSession()
+    vehicle = take_off(session)
+    session.vehicles["drone"].silent = True
+    vehicle.command(Velocity(x=1.0))
+    there = wait(session, 1)[-1].position
+    session.vehicles["drone"].silent = False
+    assert wait(session, 1)[-1].position == there
 
 
 def test_it_stays_on_the_ground_while_unwell() -> None:

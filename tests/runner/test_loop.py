@@ -1,8 +1,9 @@
-"""The flying loop with several vehicles, in the simulator."""
+"""The flying loop with several vehicles in the simulator, and where vehicles and links fail."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,8 @@ from behaviors import Pilot
 from cli.flight_plot import draw, stretches
 from fsm import parse_parameters
 from fsm.engine.instance import Record
+from hal import Limits, Options, Session
+from hal.fake import FakeSession, FakeVehicle
 from runner import (
     Assignment,
     Plan,
@@ -22,7 +25,9 @@ from runner import (
     read_run,
 )
 from runner.run_folder import summary_fields
-from vencejo.errors import UserError
+from tests.hal.test_contract import example_session
+from vencejo.errors import UserError, VehicleError
+from vencejo.geometry import Point
 
 HOP = """\
 mission: hop
@@ -188,3 +193,132 @@ def test_a_plan_without_vehicles_or_with_two_worlds_is_refused(tmp_path: Path) -
     for assignments in ({}, {"cat": yard, "mouse": empty}):
         with pytest.raises(ValueError, match="at least one vehicle, and all missions in one world"):
             Plan(assignments)
+
+
+# -- vehicles and links that fail, without physics ----------------------------------------------
+
+Incident = Callable[[FakeSession], None]
+
+
+class Eventful(FakeSession):
+    """Something happens to it once, so many seconds after the start."""
+
+    def __init__(self, options: Options, at: float, incident: Incident) -> None:
+        super().__init__(options.vehicles, options=options)
+        self._at, self._incident = round(at * 40), incident
+
+    def wait(self) -> float:
+        if self.periods == self._at:
+            self._incident(self)
+        return super().wait()
+
+
+@pytest.fixture
+def happens(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, Incident], list[Eventful]]:
+    """Let the next runs fly on fake vehicles to which something happens; the sessions opened."""
+
+    def prepare_for(at: float, incident: Incident) -> list[Eventful]:
+        opened: list[Eventful] = []
+
+        def open_it(name: str, options: Options) -> Session:
+            opened.append(Eventful(options, at, incident))
+            return opened[-1]
+
+        monkeypatch.setattr("runner.loop.open_backend", open_it)
+        return opened
+
+    return prepare_for
+
+
+def breaks(session: FakeSession) -> None:
+    raise VehicleError("closed", "the simulator is gone")
+
+
+def mouse_of(session: FakeSession) -> FakeVehicle:
+    return session.vehicles["mouse"]
+
+
+def test_a_backend_that_fails_in_flight_leaves_a_landing_ordered_and_a_whole_run(
+    tmp_path: Path, happens: Callable[[float, Incident], list[Eventful]]
+) -> None:
+    opened = happens(2.5, breaks)
+    recorder, witness = Recorder(tmp_path), Witness()
+    summary = fly(two(tmp_path, LONG, LONG), lambda: recorder, [witness])
+    recorder.write_summary(summary)
+    assert summary.exit_code == 3
+    (session,) = opened
+    run = read_run(tmp_path)
+    assert run.missing == () and run.summary is not None and run.summary.exit_code == 3
+    for name, flown in summary.vehicles.items():
+        assert session.vehicles[name].verbs == ["takeoff", "land"]
+        assert (flown.outcome, flown.reason) == ("failed", "the simulator is gone")
+        assert flown.failure == "the simulator is gone"
+        kinds = [event.kind for event in run.events if event.vehicle == name]
+        assert kinds[-2:] == ["outcome", "landing"]
+        assert kinds == [kind for who, kind in witness.kinds if who == name]
+        # A row for each period, and none for the one that never came.
+        times = [sample.time for sample in run.telemetry[name]]
+        assert times == pytest.approx([0.025 * n for n in range(1, 101)])
+        assert flown.mission_time == pytest.approx(2.5)
+
+
+def test_a_backend_that_fails_after_the_mission_s_end_changes_no_outcome(
+    tmp_path: Path, happens: Callable[[float, Incident], list[Eventful]]
+) -> None:
+    text = HOP.replace("{done: down}", "{done: over}").replace(
+        "  down: {do: land, on: {done: over}}\n", ""
+    )
+    happens(1.5, breaks)
+    flown = fly(Plan.alone(prepared(tmp_path, text)))
+    assert (flown.alone.outcome, flown.alone.failure) == ("done", "the simulator is gone")
+    assert flown.exit_code == 3
+
+
+def test_a_link_that_is_gone_ends_one_flight_and_not_the_other(
+    tmp_path: Path, happens: Callable[[float, Incident], list[Eventful]]
+) -> None:
+    opened = happens(2.5, lambda session: setattr(mouse_of(session), "gone", True))
+    recorder = Recorder(tmp_path)
+    summary = fly(two(tmp_path, LONG.replace("given_up", "done"), LONG), lambda: recorder)
+    recorder.write_summary(summary)
+    assert summary.exit_code == 3
+    cat, mouse = summary.vehicles["cat"], summary.vehicles["mouse"]
+    assert (cat.outcome, cat.failure) == ("done", "") and cat.mission_time > 30
+    assert (mouse.outcome, mouse.reason) == ("failed", "nothing handled link.lost")
+    assert mouse.failure.startswith("the link to 'mouse' is gone; a landing was ordered")
+    assert mouse_of(opened[0]).verbs == ["takeoff", "land"]
+    run = read_run(tmp_path)
+    assert run.missing == () and run.summary is not None and run.summary.exit_code == 3
+    kinds = [event.kind for event in run.events if event.vehicle == "mouse"]
+    assert {"link", "outcome", "landing"} <= set(kinds)
+    assert run.telemetry["mouse"][-1].time < 7 < run.telemetry["cat"][-1].time
+
+
+def test_a_vehicle_that_stays_silent_is_asked_to_land_and_leaves_a_summary(
+    tmp_path: Path, happens: Callable[[float, Incident], list[Eventful]]
+) -> None:
+    opened = happens(2.5, lambda session: setattr(session.vehicles["drone"], "silent", True))
+    summary = fly(Plan.alone(prepared(tmp_path, LONG)))
+    assert summary.exit_code == 3 and 600 < summary.mission_time < 620
+    assert summary.alone.failure == "the vehicle did not land within 600 s"
+    assert opened[0].vehicles["drone"].verbs.count("land") > 100
+
+
+def test_a_jump_of_the_origin_is_no_distance(
+    tmp_path: Path, happens: Callable[[float, Incident], list[Eventful]]
+) -> None:
+    happens(2.5, lambda session: session.vehicles["drone"].jump(Point(30.0, -40.0, 7.0)))
+    flown = fly(Plan.alone(prepared(tmp_path, WAIT))).alone
+    assert flown.outcome == "given_up"
+    assert flown.distance == pytest.approx(4.0, abs=0.5)
+    assert flown.max_altitude == pytest.approx(2.0)
+
+
+def test_a_vehicle_without_limits_flies_until_some_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("runner.loop.open_backend", lambda name, options: example_session(options))
+    plan = Plan.alone(prepared(tmp_path, HOP))
+    assert fly(plan).exit_code == 0
+    with pytest.raises(UserError, match="no limits to change"):
+        fly(replace(plan, limits=Limits(max_speed=1.0)))
