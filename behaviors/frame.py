@@ -71,32 +71,38 @@ class MissionFrame:
         ``start`` is the observation (mission frame) when the behaviour began: what is not said
         stays as it was then. Raises EvaluationError.
         """
+        here = start.position
         if isinstance(given, Point):
             return given
-        here = start.position
         if isinstance(given, str):
-            if given == "home":
-                return Point(0.0, 0.0, here.z)
-            if given in self.places:
-                return self.from_world(self.places[given])
-            known = ", ".join(["home", *sorted(self.places)])
-            raise EvaluationError(f"there is no place '{given}' here (known: {known})")
+            return self._place(given, here)
         if not isinstance(given, Mapping):
             raise EvaluationError(f"{shown(given)} is not a point")
         if given.keys() & {"forward", "left", "up"}:
             east, north = rotate_xy(given.get("forward", 0.0), given.get("left", 0.0), start.yaw)
             return here.plus((east, north, given.get("up", 0.0)))
         if "lat" in given:
-            if self.geographic is None:
-                raise EvaluationError("the vehicle has no geographic position here")
-            east, north = enu_of(given["lat"], given["lon"], *self.geographic[:2])
-            world = self.from_world(Point(east, north, 0.0))
-            return world._replace(z=given.get("above_home", here.z))
+            return self._geographic_place(given, here)
         if given.get("frame") == "world":
-            there = self.to_world(here)
-            named = Point(*(given.get(axis, there[i]) for i, axis in enumerate("xyz")))
-            return self.from_world(named)
-        return Point(*(given.get(axis, here[i]) for i, axis in enumerate("xyz")))
+            return self.from_world(_completed(given, self.to_world(here)))
+        return _completed(given, here)
+
+    def _place(self, name: str, here: Point) -> Point:
+        """The point of a place, in the mission frame; home is meant at the present height."""
+        if name == "home":
+            return Point(0.0, 0.0, here.z)
+        if name in self.places:
+            return self.from_world(self.places[name])
+        known = ", ".join(["home", *sorted(self.places)])
+        raise EvaluationError(f"there is no place '{name}' here (known: {known})")
+
+    def _geographic_place(self, given: Mapping[str, Any], here: Point) -> Point:
+        """The mission-frame point of ``{lat, lon, above_home}``; without a height, at this one."""
+        if self.geographic is None:
+            raise EvaluationError("the vehicle has no geographic position here")
+        east, north = enu_of(given["lat"], given["lon"], *self.geographic[:2])
+        world = self.from_world(Point(east, north, 0.0))
+        return world._replace(z=given.get("above_home", here.z))
 
     def heading(self, given: Any, start: Observation) -> Heading:
         if isinstance(given, Mapping):
@@ -127,3 +133,8 @@ class MissionFrame:
                 given.get("dwell"),
             )
         return Waypoint(self.point(given, start))
+
+
+def _completed(given: Mapping[str, Any], here: Point) -> Point:
+    """The point of ``{x, y, z}``; a coordinate that is not given stays as it is ``here``."""
+    return Point(*(given.get(axis, here[i]) for i, axis in enumerate("xyz")))

@@ -354,13 +354,14 @@ def _spliced(node: ast.AST, text: str, lines: int) -> str:
 
 def _is_left_alone(node: ast.AST) -> bool:
     match node:
-        case ast.Import() | ast.ImportFrom() | ast.Assert() | ast.JoinedStr():
-            return True
-        case ast.Expr(value=ast.Constant()):
-            return True
-        case ast.If(test=ast.Name(id="TYPE_CHECKING")):
-            return True
-        case ast.If(test=ast.Compare(left=ast.Name(id="__name__"))):
+        case (
+            ast.Import()
+            | ast.ImportFrom()
+            | ast.Assert()
+            | ast.JoinedStr()
+            | ast.Expr(value=ast.Constant())
+            | ast.If(test=ast.Name(id="TYPE_CHECKING") | ast.Compare(left=ast.Name(id="__name__")))
+        ):
             return True
         case ast.Assign(targets=[ast.Name(id=name)]):
             return name.startswith("__")

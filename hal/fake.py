@@ -280,13 +280,18 @@ class FakeVehicle(BaseVehicle):
         )
 
     def _moved(self, step: float) -> Point:
-        """Where its own motors, or the lack of them, take it in ``step`` seconds."""
-        if self._mode == "stopped":
-            return self.position.plus((0.0, 0.0, -_FALL * step))
-        if self._mode == "landing":
-            return self._towards(self.position._replace(z=0.0), step)
-        if self._mode in ("taking-off", "returning"):
-            return self._towards(self._target, step)
+        """The position in ``step`` seconds, wind apart; without motors it falls."""
+        match self._mode:
+            case "stopped":
+                return self.position.plus((0.0, 0.0, -_FALL * step))
+            case "landing":
+                return self._towards(self.position._replace(z=0.0), step)
+            case "taking-off" | "returning":
+                return self._towards(self._target, step)
+        return self._flown(step)
+
+    def _flown(self, step: float) -> Point:
+        """The position to which the set-point leads in ``step`` seconds."""
         match self._setpoint:
             case Position() as place:
                 if place.yaw is not None:
