@@ -1,7 +1,7 @@
 """The channel between a mission and its vehicle: observations in, set-points and orders out.
 
-Observations are in the mission frame here, as set-points are; positions pass from one frame to the
-other here and nowhere else. What a single behaviour may do with the channel is the matter of its
+Observations and set-points are in the mission frame here; positions are converted to and from the
+world frame here and nowhere else. Which parts of the channel a behaviour may use is decided by its
 own :class:`behaviors.flight.Flight`.
 """
 
@@ -35,7 +35,7 @@ class Jump(NamedTuple):
 
     epoch: int
     offset: tuple[float, float, float]
-    """By how much every place is elsewhere in world coordinates than before, metres."""
+    """Change of the world coordinates of every fixed place, metres."""
 
 
 class Channel:
@@ -49,14 +49,14 @@ class Channel:
         self.dt = PERIOD
         """The step that the session made to this period, seconds."""
         self.setpoint: Setpoint | None = None
-        """What was commanded in this period, mission frame."""
+        """The set-point commanded in this period, mission frame; None for none yet."""
         self.order: Order | None = None
-        """The manoeuvre that the behaviour at work has asked the vehicle for."""
-        self.looked: Callable[[str, Frame], None] = _unseen
-        """Told of each camera frame that is read: the camera's name, the frame in the world frame.
-        """
-        self.measured: Callable[[str, Reading], None] = _unseen
-        """Told of each sensor reading that is read: the sensor's name, the reading."""
+        """The last manoeuvre that the active behaviour ordered, unless a set-point followed it."""
+        self.looked: Callable[[str, Frame], None] = _ignore
+        """Called with each camera frame that is read: the camera's name, and the frame with its
+        pose in the world frame."""
+        self.measured: Callable[[str, Reading], None] = _ignore
+        """Called with each sensor reading that is read: the sensor's name, the reading."""
         self.jump: Jump | None = None
         """The jump of the world frame that came with this period."""
         seen = vehicle.observe()
@@ -138,5 +138,5 @@ class _MissionSensor:
         return reading
 
 
-def _unseen(name: str, what: Frame | Reading) -> None:
-    """Nobody keeps frames or readings."""
+def _ignore(name: str, what: Frame | Reading) -> None:
+    """Ignore a frame or reading: nothing records them."""

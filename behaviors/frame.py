@@ -1,4 +1,4 @@
-"""The mission frame: where a mission's points are counted from, and how places are found.
+"""The mission frame, and how the points and places of a mission are resolved in it.
 
 Its origin is home, where the vehicle was when the mission began; its axes are the world's (east,
 north, up). When the origin of the world frame jumps, the mission frame stays where it is.
@@ -16,12 +16,12 @@ from hal.vehicle import Observation
 from vencejo.geometry import Point, distance, enu_of, rotate_xy
 
 STANDS_ON_HOME = 0.05
-"""A vehicle on the ground this near to its home stands on it, metres."""
+"""A vehicle on the ground that is nearer to home than this stands on it, metres."""
 _ZERO = Point(0.0, 0.0, 0.0)
 
 
 class MissionFrame:
-    """Home of one mission: where its points are counted from, and how places are found."""
+    """The frame of one mission, with the places it can name."""
 
     def __init__(
         self,
@@ -30,13 +30,13 @@ class MissionFrame:
         geographic: tuple[float, float, float] | None = None,
     ) -> None:
         self.origin = origin
-        """The mission frame's zero, world frame."""
+        """The mission frame's origin, world frame, metres."""
         self.is_world = origin == _ZERO
-        """Whether the two frames are one, and nothing needs to be moved."""
+        """True when the two frames coincide, so that nothing needs to be converted."""
         self.places = dict(places or {})
         """Places of the world, world frame."""
         self.geographic = geographic
-        """Latitude and longitude (degrees) and altitude of the world frame's zero."""
+        """Latitude, longitude (degrees) and altitude (m) of the world frame's origin, if known."""
 
     @classmethod
     def at_start(
@@ -47,14 +47,14 @@ class MissionFrame:
     ) -> MissionFrame:
         """The frame of a mission that begins with this observation (world frame).
 
-        Its zero is home where the vehicle stands on it, since an autopilot measures both, each
-        with an error of its own; else it is where the vehicle is.
+        Its origin is home while the vehicle stands there, since an autopilot measures home and
+        position with different errors; otherwise it is the vehicle's position.
         """
         at_home = not seen.flying and distance(seen.position, seen.home) < STANDS_ON_HOME
         return cls(seen.home if at_home else seen.position, places, geographic)
 
     def shift(self, offset: Point) -> None:
-        """Follow a jump of the world frame: all that stands still is ``offset`` further there."""
+        """Follow a jump of the world frame, in which fixed places move by ``offset`` metres."""
         self.origin = self.origin.plus(offset)
         self.is_world = self.origin == _ZERO
         self.places = {name: place.plus(offset) for name, place in self.places.items()}
@@ -68,8 +68,9 @@ class MissionFrame:
     def point(self, given: Any, start: Observation) -> Point:
         """The mission-frame point of a value as missions write it.
 
-        ``start`` is the observation (mission frame) when the behaviour began: what is not said
-        stays as it was then. Raises EvaluationError.
+        ``start`` is the observation (mission frame) when the behaviour began: a coordinate that
+        is not given stays as it was then. Raises EvaluationError for an unknown place, a value
+        that is no point, or a geographic point where the vehicle has no geographic position.
         """
         here = start.position
         if isinstance(given, Point):
@@ -105,12 +106,16 @@ class MissionFrame:
         return world._replace(z=given.get("above_home", here.z))
 
     def heading(self, given: Any, start: Observation) -> Heading:
+        """The heading of a value as missions write it. Raises as :meth:`point` does."""
         if isinstance(given, Mapping):
             return Face(self.point(given["face"], start))
         return given if isinstance(given, str) else float(given)
 
     def resolve(self, type_: Type, given: Any, start: Observation) -> Any:
-        """A checked value in the form behaviours use: Point, Heading, Route, Area, or itself."""
+        """A checked value in the form that behaviours use: Point, Heading, Route or Area.
+
+        Values of other types are returned as they are. Raises as :meth:`point` does.
+        """
         if given is None:
             return None
         if type_ == POINT:

@@ -84,20 +84,6 @@ def _color(node: YamlNode) -> Color:
     return (values[0], values[1], values[2])
 
 
-def word(what: str, known: Iterable[str]) -> Value[str]:
-    """One of some words; ``what`` names them in errors."""
-    words = tuple(known)
-
-    def read(node: YamlNode) -> str:
-        text = _text(node)
-        if text not in words:
-            hint = nearest(text, words)
-            raise UserError("unknown-word", f"there is no {what} '{text}'", node.where, hint)
-        return text
-
-    return Value(read, {"enum": list(words)})
-
-
 def count(low: int) -> Value[int]:
     """A whole number of ``low`` or more."""
 
