@@ -52,10 +52,10 @@ class Channel:
         """The set-point commanded in this period, mission frame; None for none yet."""
         self.order: Order | None = None
         """The last manoeuvre that the active behaviour ordered, unless a set-point followed it."""
-        self.looked: Callable[[str, Frame], None] = _ignore
+        self.on_frame: Callable[[str, Frame], None] = _ignore
         """Called with each camera frame that is read: the camera's name, and the frame with its
         pose in the world frame."""
-        self.measured: Callable[[str, Reading], None] = _ignore
+        self.on_reading: Callable[[str, Reading], None] = _ignore
         """Called with each sensor reading that is read: the sensor's name, the reading."""
         self.jump: Jump | None = None
         """The jump of the world frame that came with this period."""
@@ -121,7 +121,7 @@ class _MissionCamera:
         taken = self._camera.latest()
         if taken is None:
             return None
-        self._channel.looked(self._name, taken)
+        self._channel.on_frame(self._name, taken)
         return dataclasses.replace(taken, position=self._channel.frame.from_world(taken.position))
 
 
@@ -134,7 +134,7 @@ class _MissionSensor:
     def latest(self) -> Reading | None:
         reading = self._sensor.latest()
         if reading is not None:
-            self._channel.measured(self._name, reading)
+            self._channel.on_reading(self._name, reading)
         return reading
 
 

@@ -1,15 +1,15 @@
-"""Orders: what a vehicle was told by a verb, and what became of it.
+"""Orders: verbs sent to a vehicle, and the state of each.
 
 An order changes only inside the session's ``wait()``::
 
     sent ──► accepted ──► done
-      │          ├──────► refused   the vehicle says no, or another order or a set-point ended it
-      │          └──────► lost      nothing was heard of it in time
-      ├──► done                     what is already so
+      │          ├──────► refused   by the vehicle, or ended by another order or a set-point
+      │          └──────► lost      not done in time
+      ├──► done                     it was so already
       ├──► refused
       └──► lost
 
-:class:`Orders` keeps that rule for backends; :class:`hal.base.BaseVehicle` joins it to the verbs.
+:class:`Orders` keeps this rule for backends; :class:`hal.base.BaseVehicle` connects it to verbs.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ DONE_WITHIN: Mapping[str, float] = MappingProxyType(
 """Seconds after which an order that is not done is lost, by verb."""
 
 MANOEUVRES = frozenset({"takeoff", "land", "return_home"})
-"""Orders that the vehicle flies by itself; a set-point ends them."""
+"""Orders that the vehicle flies autonomously; a set-point ends them."""
 
 
 @dataclass(slots=True, eq=False)
@@ -50,18 +50,18 @@ class Order:
     arguments: tuple[Any, ...] = ()
     state: OrderState = "sent"
     reason: str = ""
-    """Why it was refused or lost, in the autopilot's words where there are some."""
+    """The reason for a refusal or loss, in the autopilot's words if it gives any."""
     sent_at: float | None = None
-    """Session's time of the first period that knew of it, seconds; kept by the backend."""
+    """End of the first period after it was sent, session's clock, seconds; set by the backend."""
 
     @property
     def ended(self) -> bool:
-        """Whether it will change no more."""
+        """True when the state is final."""
         return self.state in ("done", "refused", "lost")
 
 
 class Decision(NamedTuple):
-    """What a vehicle does about an order."""
+    """A vehicle's answer to an order."""
 
     state: Literal["accepted", "done", "refused"]
     reason: str = ""
@@ -71,19 +71,19 @@ UNDER_WAY, DONE = Decision("accepted"), Decision("done")
 
 
 def refused(reason: str) -> Decision:
-    """The decision not to do it."""
+    """The decision to refuse an order."""
     return Decision("refused", reason)
 
 
 class Orders:
-    """The orders of one vehicle: sent ones wait here for the backend to decide in ``wait()``."""
+    """The orders of one vehicle: those sent, on which the backend decides, and those under way."""
 
     def __init__(self) -> None:
         self._sent: list[Order] = []
         self._under_way: dict[str, Order] = {}
 
     def send(self, verb: str, *arguments: Any) -> Order:
-        """Take down a verb. One that is already sent or under way is that order again."""
+        """Queue a verb; if it is already sent or under way, the result is that order again."""
         last = self._sent[-1] if self._sent else self._under_way.get(verb)
         again = last is not None and last.verb == verb and not last.reason
         if last is not None and again and (last.state == "accepted" or last.arguments == arguments):
@@ -93,13 +93,13 @@ class Orders:
         return order
 
     def supersede(self, reason: str) -> None:
-        """A set-point came after what was sent in this period: orders to fly count no more."""
+        """Cancel the manoeuvres sent in this period, since a set-point was given after them."""
         for order in self._sent:
             if order.verb in MANOEUVRES:
                 order.reason = reason
 
     def take(self) -> list[Order]:
-        """The orders to decide on now, in the sequence in which they were sent."""
+        """Remove and return the orders to decide on, in the sequence in which they were sent."""
         sent, self._sent = self._sent, []
         for order in sent:
             if order.reason:
@@ -107,23 +107,23 @@ class Orders:
         return [order for order in sent if not order.ended]
 
     def get(self, verb: str) -> Order | None:
-        """The accepted order of that verb, if it is under way."""
+        """The order of that verb that is under way, or None."""
         return self._under_way.get(verb)
 
     def accept(self, order: Order) -> None:
-        """The vehicle carries it out; whatever was under way ends."""
+        """Mark an order as under way; all others under way end."""
         self.end(f"ended by: {order.verb}")
         order.state = "accepted"
         self._under_way[order.verb] = order
 
     def end(self, reason: str = "") -> None:
-        """All that is under way is done or, with a reason, refused."""
+        """Mark all orders under way as done or, with a reason, as refused."""
         for order in self._under_way.values():
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
         self._under_way.clear()
 
     def expire(self, now: float) -> None:
-        """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
+        """Mark orders as lost that were not answered or done in time (``now``: session's clock)."""
         for order in self._sent:
             if _age(order, now) >= ANSWER_WITHIN:
                 order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"

@@ -63,7 +63,7 @@ class Recorder:
     """
 
     def __init__(self, folder: Path, *, frames: bool = True) -> None:
-        """``frames``: whether the pictures that were read are kept."""
+        """``frames``: whether the camera frames that were read are kept."""
         self.folder = folder
         self._sequence = 0
         self._rows: list[tuple[Observation, str, Sequence[str]]] = []
@@ -98,12 +98,12 @@ class Recorder:
         self._telemetry.append([TELEMETRY_COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
-        """Keep what the behaviours of this pilot will look at."""
+        """Record the camera frames that the behaviours of this pilot read."""
         if self._frames is not None:
-            pilot.channel.looked = partial(self._look, pilot.vehicle.name)
+            pilot.channel.on_frame = partial(self._keep_frame, pilot.vehicle.name)
 
-    def _look(self, vehicle: str, camera: str, frame: Frame) -> None:
-        # Written after the period: a full disk is no failure of the behaviour that looked.
+    def _keep_frame(self, vehicle: str, camera: str, frame: Frame) -> None:
+        # Written after the period: a full disk is no failure of the behaviour that reads a frame.
         self._read.append((vehicle, camera, frame))
 
     def take(self, pilot: Pilot) -> list[Record]:

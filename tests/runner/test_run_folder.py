@@ -418,7 +418,7 @@ def test_frames_come_back(data: st.DataObject) -> None:
             frame = Frame(image, number, number / 20, lens, *pose)
             pilot = pilot_of(ALONE, cast(Observation, None), [], [])
             recorder.follow(pilot)
-            pilot.channel.looked(camera, frame)
+            pilot.channel.on_frame(camera, frame)
             written.append((ALONE, camera, number, number / 20, *pose, lens))
         recorder.close()
         read = [

@@ -1,4 +1,4 @@
-"""Whose hands: several behaviours at work at once, and what each of them may do."""
+"""Behaviours that run at once: each commands only what it controls and raises its own events."""
 
 from __future__ import annotations
 
