@@ -30,7 +30,7 @@ from fsm import parse_parameters
 from hal import PERIOD
 from hal.sim.bullet import Bullet
 from hal.sim.physics import GRAVITY
-from hal.sim.vehicle import STEPS
+from hal.sim.vehicle import STEPS_PER_PERIOD
 from runner import missions
 from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
@@ -66,7 +66,7 @@ def engine_alone(periods: int = 400) -> float:
     body = physics.add_body(0.4, (0.01, 0.01, 0.01), (0.5, 0.5, 0.1), (0.0, 0.0, 9.0), (0, 0, 0, 1))
     began = perf_counter()
     for _ in range(periods):
-        for _ in range(STEPS):
+        for _ in range(STEPS_PER_PERIOD):
             body.push(0.4 * GRAVITY, 0.0, 0.0, 0.0)
             physics.step()
             body.state()
