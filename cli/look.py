@@ -25,7 +25,7 @@ VIEWS = ("front", "down", "top")
 """Level and ahead from a place, straight down from it, or all of the world from above."""
 WIDTH, HEIGHT = 640, 480
 _FIELD = pi / 3
-LENS = Intrinsics.of_view(WIDTH, HEIGHT, _FIELD)
+LENS = Intrinsics.from_field_of_view(WIDTH, HEIGHT, _FIELD)
 _SMALLEST = 6.0
 """What is looked at from outside is at least this large, metres from its middle."""
 

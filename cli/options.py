@@ -131,7 +131,7 @@ def cameras(
     return found
 
 
-class Place(click.ParamType):  # type: ignore[type-arg]
+class Viewpoint(click.ParamType):  # type: ignore[type-arg]
     """``x,y,z`` or ``x,y,z,yaw``: metres of the world frame, and degrees from east."""
 
     name = "x,y,z[,yaw]"

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, nearest
 from vencejo.geometry import Pose
-from worlds.model import World
 from worlds.things import Thing
+from worlds.world import World
 
 if TYPE_CHECKING:
     import numpy as np

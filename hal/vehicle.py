@@ -189,7 +189,7 @@ class Intrinsics:
     """OpenCV's k1, k2, p1, p2, k3; empty for none."""
 
     @classmethod
-    def of_view(
+    def from_field_of_view(
         cls, width: int, height: int, field_of_view: float, distortion: tuple[float, ...] = ()
     ) -> Intrinsics:
         """The camera with a horizontal ``field_of_view``, radians.

@@ -30,7 +30,7 @@ ALONE = "drone"
 """The name of a vehicle that flies alone: its run's header and summary need not name it."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, INTERRUPTED = 0, 1, 3, 130
 """Exit codes of runs that have flown."""
-Line = TypeVar("Line")
+RawLine = TypeVar("RawLine")
 Read = TypeVar("Read")
 
 
@@ -379,7 +379,7 @@ def _cut(path: Path) -> str:
 
 
 def _each(
-    path: Path, lines: Iterable[Line], read: Callable[[Line], Read], first: int = 2
+    path: Path, lines: Iterable[RawLine], read: Callable[[RawLine], Read], first: int = 2
 ) -> list[Read]:
     """All lines read; ``first`` is the number of the first. Raises UserError with the place."""
     found: list[Read] = []

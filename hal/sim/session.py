@@ -18,8 +18,8 @@ from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
-from worlds.model import Start, World
 from worlds.solids import thing_near
+from worlds.world import Start, World
 
 _ABREAST = 2.0
 """Distance along x between vehicles for which the world has no start of its own, metres."""

@@ -32,7 +32,7 @@ from hal.vehicle import (
     Velocity,
 )
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
-from worlds.model import Start
+from worlds.world import Start
 
 STEPS_PER_PERIOD = 6
 """Physics steps in a mission period."""

@@ -15,8 +15,8 @@ from hal.sim.sensors.camera_spec import CameraSpec
 from hal.sim.sensors.sampling import Capture, newest_capture
 from hal.vehicle import Frame
 from vencejo.geometry import Pose, product, turned
-from worlds.model import World
 from worlds.things import Thing
+from worlds.world import World
 
 if TYPE_CHECKING:
     from hal.sim.sensors.lens import Lens

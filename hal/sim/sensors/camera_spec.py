@@ -52,7 +52,9 @@ class CameraSpec:
 
     @cached_property
     def intrinsics(self) -> Intrinsics:
-        return Intrinsics.of_view(self.width, self.height, self.field_of_view, self.distortion)
+        return Intrinsics.from_field_of_view(
+            self.width, self.height, self.field_of_view, self.distortion
+        )
 
     @cached_property
     def attitude(self) -> Quaternion:
