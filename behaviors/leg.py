@@ -35,7 +35,7 @@ class Approach:
 
 @dataclass(frozen=True, slots=True)
 class Blocked:
-    """Why a target was not reached."""
+    """The fields of ``blocked``: a target that was not reached."""
 
     reason: str = ""
     distance: float = value("m")
@@ -44,7 +44,7 @@ class Blocked:
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """When a leg counts as flown."""
+    """The conditions under which a leg counts as flown."""
 
     tolerance: float
     """Distance from the target, metres."""

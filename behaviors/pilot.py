@@ -72,7 +72,7 @@ class Pilot:
         self.landing: Order | None = None
         """The order to land outside the mission; None before."""
         self.reason = ""
-        """Why the mission was ended from outside; empty when it ended by itself."""
+        """The reason why the mission was ended from outside; empty when it ended by itself."""
         self.outcome: str | None = None
         self._watch = Watch(thresholds or Thresholds())
         self._ended_for = 0.0
@@ -81,7 +81,7 @@ class Pilot:
         self._noted = "alive", "mission"
         """Link and authority in the last records of them."""
         self._refusal = ""
-        """Why the vehicle refused the last set-point of a behaviour."""
+        """The reason why the vehicle refused the last set-point; empty when it did not."""
         self._last: Setpoint = Hold()
         """The set-point commanded last, mission frame; Hold after a manoeuvre."""
         self._require(graph)

@@ -27,7 +27,7 @@ WIDTH, HEIGHT = 640, 480
 _FIELD = pi / 3
 LENS = Intrinsics.from_field_of_view(WIDTH, HEIGHT, _FIELD)
 _SMALLEST = 6.0
-"""What is looked at from outside is at least this large, metres from its middle."""
+"""Least radius of the part of a world that a picture from outside shows, metres."""
 
 
 def render(

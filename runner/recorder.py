@@ -34,7 +34,7 @@ from vencejo.errors import UserError, Where
 from worlds import World
 
 _ROWS_AT_ONCE = 40
-"""Rows of telemetry written together: what a killed run may lose is one second."""
+"""Rows of telemetry written together: a killed run may lose one second of them."""
 
 
 def new_folder(parent: Path, stamp: str, mission: str) -> Path:
@@ -57,7 +57,7 @@ def new_folder(parent: Path, stamp: str, mission: str) -> Path:
 
 
 class Recorder:
-    """Appends what happens to the files of one run folder.
+    """Appends records, telemetry and frames to the files of one run folder.
 
     What cannot be written raises UserError (``cannot-record``).
     """
@@ -71,7 +71,7 @@ class Recorder:
         """Paths of the active leaf states, by vehicle."""
         self._frames = FrameFiles(folder) if frames else None
         self._read: list[tuple[str, str, Frame]] = []
-        """Vehicle, camera and frame of what was read since it was last written."""
+        """Vehicle, camera and frame of every frame read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
 

@@ -40,7 +40,7 @@ class MissionFacts:
 
     name: str
     sha256: str
-    """Of the mission's own file, hexadecimal."""
+    """SHA-256 of the mission's own file, hexadecimal."""
     parameters: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
     """SHA-256 of the files that the mission includes and uses, by path from its folder."""
@@ -48,7 +48,7 @@ class MissionFacts:
 
 @dataclass(frozen=True)
 class Header:
-    """Everything that decides how a run goes."""
+    """Everything that determines the course of a run."""
 
     missions: Mapping[str, MissionFacts]
     """By the name of the vehicle that flies it."""
@@ -57,9 +57,9 @@ class Header:
     seed: int
     backend: str
     engine: str
-    """What moves the vehicles, with its version."""
+    """Name and version of the physics engine or autopilot link."""
     vencejo: str
-    """The version that flew it."""
+    """Version of vencejo that flew it."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class LogEntry:
 
 
 class Sample(NamedTuple):
-    """One row of ``telemetry.csv``: where a vehicle was at the end of a mission period."""
+    """One row of ``telemetry.csv``: a vehicle's state at the end of a mission period."""
 
     time: float
     """Seconds of the vehicle's clock."""
@@ -97,7 +97,7 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordedFrame:
-    """A picture that a behaviour has read, and what is needed to measure in it."""
+    """A camera frame that a behaviour read, with the time, intrinsics and pose of its image."""
 
     path: Path
     """The JPEG."""
@@ -105,9 +105,9 @@ class RecordedFrame:
     camera: str
     sequence: int
     time: float
-    """When it was taken, seconds of the vehicle's clock."""
+    """Capture time, seconds of the vehicle's clock."""
     position: Point
-    """Of the camera, world frame, metres."""
+    """Position of the camera, world frame, metres."""
     attitude: Quaternion
     """Camera optical frame (x right, y down, z out) to world, (x, y, z, w)."""
     intrinsics: Intrinsics
@@ -115,11 +115,11 @@ class RecordedFrame:
 
 @dataclass(frozen=True)
 class Flown:
-    """How the flight of one vehicle ended."""
+    """The result of the flight of one vehicle."""
 
     outcome: str
     reason: str
-    """Why the mission was ended from outside; empty when it ended by itself."""
+    """The reason why the mission was ended from outside; empty when it ended by itself."""
     output: Mapping[str, Any]
     """The fields that the mission's final state gave."""
     mission_time: float
@@ -131,12 +131,12 @@ class Flown:
     battery: float
     """Charge left, 0 to 1."""
     failure: str = ""
-    """What became of a vehicle that could not be brought down; empty when it was."""
+    """The reason why the vehicle could not be landed; empty when it was."""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """How a run ended, and what it depended on."""
+    """The results of a run, with everything that they depend on."""
 
     header: Header
     vehicles: Mapping[str, Flown]
@@ -144,9 +144,9 @@ class Summary:
     wall_time: float
     """Seconds from the first step to the last byte of events and telemetry."""
     interrupted: bool
-    """Whether somebody asked it to stop."""
+    """True when the run was asked to stop."""
     versions: Mapping[str, str]
-    """Of what the result may depend on, by package."""
+    """Versions of the packages that the result may depend on, and of Python."""
 
     @property
     def alone(self) -> Flown:
@@ -184,9 +184,9 @@ class Run:
     frames: tuple[RecordedFrame, ...]
     """In the order in which they were read."""
     summary: Summary | None
-    """None of a run that did not end."""
+    """None for a run that has not ended."""
     missing: tuple[str, ...]
-    """What is not there or cut off, in plain words: of a run that was killed or still flies."""
+    """Descriptions of missing or truncated parts, if the run was killed or still flies."""
 
 
 def header_fields(header: Header) -> dict[str, Any]:

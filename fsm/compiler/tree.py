@@ -9,7 +9,7 @@ from vencejo.errors import UserError, nearest
 from vencejo.nodes import Scalar
 
 MAX_STATES = 10_000
-"""Of a mission with all it includes; twenty files can ask for a million."""
+"""Most states of a mission, included graphs counted; twenty files could ask for a million."""
 
 
 class Tree:

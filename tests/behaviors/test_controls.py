@@ -28,20 +28,20 @@ states:
 
 @dataclass(frozen=True)
 class Rung:
-    """Who rang."""
+    """The fields of ``bell.rung``: the behaviour that rang."""
 
     by: str = ""
 
 
 @dataclass(frozen=True)
 class Count:
-    """How often it was stepped."""
+    """Number of its steps."""
 
     steps: int = 0
 
 
 class _Companion(Behavior):
-    """Runs beside what flies."""
+    """Runs beside the behaviour that flies."""
 
     outcomes: Mapping[str, type | None] = {}  # type: ignore[misc]
     controls = ()

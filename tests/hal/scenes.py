@@ -148,7 +148,7 @@ def look(
 
 
 def quaternion(turn: NDArray[np.float64]) -> Quaternion:
-    """Of a rotation matrix: the eigenvector of Bar-Itzhack's symmetric matrix (2000)."""
+    """The quaternion of a rotation matrix: an eigenvector of Bar-Itzhack's matrix (2000)."""
     (a, b, c), (d, e, f), (g, h, i) = turn
     symmetric = np.array(
         [

@@ -1,4 +1,4 @@
-"""How exact and how steady the pictures are."""
+"""The accuracy and steadiness of images."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def session_on(world: World, vehicles: tuple[str, ...] = ("drone",), **settings:
 
 
 def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
-    """What a camera shows after each of some periods."""
+    """The frames of a camera after each of some periods."""
     found = []
     for _ in range(periods):
         session.wait()

@@ -219,7 +219,7 @@ def test_what_is_no_run_folder_is_refused(folder: Path) -> None:
 
 
 def changed(folder: Path, name: str, before: str, after: str) -> str:
-    """What is said of a file after a change of its text."""
+    """The error about a run folder after a change in the text of a file."""
     text = (folder / name).read_text()
     assert before in text
     (folder / name).write_text(text.replace(before, after, 1))
