@@ -96,7 +96,7 @@ class FakeVehicle(BaseVehicle):
         """Reason for which the next verb, and only that one, is refused."""
         self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
         self.limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
-        """By the names they have in :class:`hal.limits.Limits`."""
+        """The limits in force, by their names in :class:`hal.limits.Limits`."""
         self._home = at
         self._epoch = 0
         self._shift = _STILL

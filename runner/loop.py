@@ -138,7 +138,7 @@ class _Craft:
         self._last = position
 
     def lose(self, error: VehicleError) -> None:
-        """Its backend has failed: order the landing all the same."""
+        """End the flight after a failure of the backend; a landing is ordered all the same."""
         self.failure = error
         self.pilot.land_now(error.faults[0].message, "failed")
 

@@ -317,7 +317,7 @@ _SUMMARY_ORDER = (
     *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
     *("versions", "run_folder"),
 )
-"""For people: how it ended comes first."""
+"""Order of the keys for a person to read: the results come first."""
 
 
 def _flown_fields(flown: Flown) -> dict[str, Any]:

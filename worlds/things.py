@@ -108,7 +108,7 @@ class Part:
     attitude: Quaternion
     color: Color
     texture: Texture | None = None
-    """On every face of a cuboid or on a plate; other shapes have none."""
+    """Image on every face of a cuboid or on a plate; other shapes have none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -31,7 +31,7 @@ class Runtime(Protocol):
 
     @property
     def records(self) -> list[Record]:
-        """Everything that happened since the caller last replaced this list."""
+        """The records made since the caller last replaced this list by an empty one."""
 
     @property
     def host(self) -> Host:

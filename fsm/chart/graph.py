@@ -28,7 +28,7 @@ from fsm.values.types import Type
 from vencejo.errors import Fault, UserError, Where, nearest
 
 Matching = Callable[[str, str, Vocabulary], bool]
-"""Whether a pattern under ``on`` matches an event or outcome of a host with this vocabulary."""
+"""Decides whether a pattern under ``on`` matches an event or outcome of a host's vocabulary."""
 
 
 class Guard(Condition):

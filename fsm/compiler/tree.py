@@ -19,7 +19,7 @@ class Tree:
         self.faults = faults
         self.states = Draft()
         self.specs: list[StateSpec] = []
-        """By the index of the state."""
+        """The specification of each state, by its index."""
         self.named: list[dict[str, StateDraft]] = []
         """The children of each state by name, without the roots of included graphs."""
         self.graphs: dict[int, MissionSpec] = {}

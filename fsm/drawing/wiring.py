@@ -24,7 +24,7 @@ class LineSection:
     key: ItemKey
     """The line's key elsewhere: the same for all lines that may be bundled."""
     stop: bool = False
-    """It begins or ends at the border instead of crossing it."""
+    """True when it begins or ends at the border instead of crossing it."""
 
 
 @dataclass(frozen=True, slots=True)

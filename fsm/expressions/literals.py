@@ -184,7 +184,7 @@ _SCALARS: Mapping[type[Type], Callable[[Scalar, Any, Context], Compiled]] = {
     PointType: _point,
     HeadingType: _heading,
 }
-"""By the type of the place; no other place takes a scalar."""
+"""Type of the place → reader of its scalars; places of other types take none."""
 
 
 # -- expressions inside values --------------------------------------------------------------

@@ -21,7 +21,7 @@ OURS = "urn:vencejo:scxml:1"
 
 @dataclass(slots=True)
 class Element:
-    """One element. Names of SCXML stand as they are, ours begin with ``v:``."""
+    """An XML element. SCXML's names have no prefix; those of our namespace begin with ``v:``."""
 
     tag: str
     attributes: dict[str, str]
