@@ -7,7 +7,6 @@ import importlib.util
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TypeGuard
@@ -19,6 +18,7 @@ from fsm.host import BehaviorInfo, Function
 from vencejo.errors import UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Scalar
+from vencejo.plugins import plugins
 
 GROUP = "vencejo.behaviors"
 
@@ -27,7 +27,7 @@ class Registry(Mapping[str, BehaviorInfo]):
     """Behaviours by name; an installed one is imported when it is first looked up."""
 
     def __init__(self, own: Mapping[str, BehaviorInfo] | None = None) -> None:
-        self._points: dict[str, EntryPoint] = {p.name: p for p in entry_points(group=GROUP)}
+        self._points = plugins(GROUP)
         self._known: dict[str, BehaviorInfo] = dict(own or {})
 
     def __getitem__(self, name: str) -> BehaviorInfo:

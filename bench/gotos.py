@@ -84,6 +84,7 @@ def fly(seed: int) -> MeasuredGoto:
     target = Point(length * ray.x, length * ray.y, height + length * ray.z)
     with open_backend("sim", Options(seed=seed, settings={"noise": NOISE})) as session:
         (vehicle,) = session.vehicles.values()
+        session.wait()
         frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
         parameters = {"start": height, "to": target, "heading": heading}
         pilot = Pilot(GRAPH, vehicle, parameters, frame=frame, seed=seed)

@@ -5,7 +5,10 @@ from __future__ import annotations
 from math import pi, radians, tan
 from pathlib import Path
 
+from hal.lights import STANDARD
 from hal.renderers import open_renderer
+from hal.scene.appearance import ARM, SIZE, quadrotor
+from hal.scene.lamps import lamp_things, lit_lamps
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, Where
 from vencejo.geometry import (
@@ -51,9 +54,10 @@ def render(
             "--camera top shows all of the world and has its own place",
             hint="take --camera down to look straight down from --at",
         )
-    opened = open_renderer(renderer, world, {}, shadows=shadows)
+    appearances, poses = _vehicles(world)
+    opened = open_renderer(renderer, world, appearances, shadows=shadows)
     try:
-        image = opened.render(view(world, camera, at), LENS, 0.0, {})
+        image = opened.render(view(world, camera, at), LENS, 0.0, poses)
     finally:
         opened.close()
     try:
@@ -67,6 +71,17 @@ def render(
             Where(str(file)),
             "its name ends in .png or .jpg and its folder exists",
         )
+
+
+def _vehicles(world: World) -> tuple[dict[str, Thing], dict[str, Pose]]:
+    """Appearances and poses of vehicles at the starts of a world, with their standard lights."""
+    appearances, poses = dict[str, Thing](), dict[str, Pose]()
+    for number, start in enumerate(world.starts):
+        name = f"start {number}"
+        body = start.at.plus((0.0, 0.0, SIZE[2] / 2)), yaw_quaternion(start.heading)
+        appearances |= {name: quadrotor(name), **lamp_things(name, arm=ARM, height=SIZE[2])}
+        poses |= {name: body, **lit_lamps(name, STANDARD, body)}
+    return appearances, poses
 
 
 def view(world: World, camera: str, at: tuple[float, float, float, float] | None) -> Pose:

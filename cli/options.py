@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from math import isfinite, pi
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
+from hal.limits import DIMENSIONS, Limits
 from hal.renderers import renderer_names
-from vencejo.errors import nearest
+from vencejo.errors import UserError, Where, nearest
+from vencejo.units import read_quantity
 
 
 class Word(click.ParamType):  # type: ignore[type-arg]
@@ -97,6 +100,33 @@ def assignments(
             raise click.BadParameter(f"'{value}' is not name=value", ctx=ctx, param=param)
         found[name.strip()] = text
     return found
+
+
+@dataclass(frozen=True)
+class LimitSettings:
+    """The values of ``--limit``: a profile of the vehicle, and limits that override it."""
+
+    profile: str | None
+    limits: Limits
+
+
+def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> LimitSettings:
+    """Read the repeated option ``--limit``: ``name=quantity``, or the name of a profile."""
+    profile, found = None, dict[str, float]()
+    for value in values:
+        name, equals, text = value.partition("=")
+        if not equals:
+            profile = name
+            continue
+        if name not in DIMENSIONS:
+            message = f"there is no limit '{name}'; {nearest(name, DIMENSIONS)}"
+            raise click.BadParameter(message, ctx=ctx, param=param)
+        try:
+            found[name] = read_quantity(text, DIMENSIONS[name], Where(f"--limit {name}"))
+        except UserError as error:
+            message = f"{name}: {error.faults[0].message}"
+            raise click.BadParameter(message, ctx=ctx, param=param) from None
+    return LimitSettings(profile, Limits(**found))
 
 
 _CAMERA = re.compile(r"([a-z_]\w*)(?::(\d+)x(\d+))?(?:@(\d+(?:\.\d+)?))?")

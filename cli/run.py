@@ -6,17 +6,20 @@ import json
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
 import click
 
 from cli.options import (
+    LimitSettings,
     MissionName,
     Speed,
     Word,
     assignments,
     cameras,
+    limits,
     renderer_option,
     shadows_option,
 )
@@ -39,6 +42,7 @@ from vencejo.errors import UserError
 @click.option(
     "--backend", type=Word(backend_names()), default="sim", show_default=True, help="What flies it."
 )
+@click.option("--connect", metavar="ADDRESS", help="Where a real vehicle is reached.")
 @click.option("--world", metavar="NAME|FILE", help="Fly in another world than the mission names.")
 @click.option(
     "-p",
@@ -48,6 +52,15 @@ from vencejo.errors import UserError
     callback=assignments,
     metavar="NAME=VALUE",
     help="Set a parameter of the mission, for instance -p altitude=3m. Repeatable.",
+)
+@click.option(
+    "--limit",
+    "limit_settings",
+    multiple=True,
+    callback=limits,
+    metavar="NAME=VALUE|PROFILE",
+    help="Limit the flight, for instance --limit max_altitude=2.5m (above home), or by a profile "
+    "of the vehicle: --limit indoor. Repeatable.",
 )
 @click.option(
     "--seed", type=int, default=0, show_default=True, help="Every random draw comes from it."
@@ -101,8 +114,10 @@ from vencejo.errors import UserError
 def run(
     mission: str,
     backend: str,
+    connect: str | None,
     world: str | None,
     parameters: dict[str, str],
+    limit_settings: LimitSettings,
     seed: int,
     speed: float | None,
     noise: float,
@@ -134,7 +149,12 @@ def run(
             "renderer": renderer,
             "shadows": shadows,
         }
-    plan = Plan.alone(prepared, values, backend=backend, seed=seed, settings=settings)
+    plan = replace(
+        Plan.alone(prepared, values, backend=backend, seed=seed, settings=settings),
+        address=connect,
+        profile=limit_settings.profile,
+        limits=limit_settings.limits,
+    )
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
@@ -173,6 +193,9 @@ def _fly(
         sys.exit(INTERRUPTED)
     folder = made[0].folder
     made[0].write_summary(summary)
+    for name, flown in summary.vehicles.items():
+        if flown.failure:
+            click.echo(f"{name}: {flown.failure}", err=True)
     _draw(folder)
     fields = summary_fields(summary, folder)
     if as_json:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint
 
 from hal.vehicle import Options, Session
 from vencejo.errors import UserError, VehicleError, nearest
+from vencejo.plugins import plugins
 
 GROUP = "vencejo.backends"
 
 
 def backend_names() -> list[str]:
     """The backends that are installed."""
-    return sorted({point.name for point in entry_points(group=GROUP)})
+    return sorted(plugins(GROUP))
 
 
 def backend_capabilities(name: str) -> frozenset[str]:
@@ -21,17 +22,14 @@ def backend_capabilities(name: str) -> frozenset[str]:
 
     Raises UserError (``unknown-backend``, ``unknown-capabilities``).
     """
-    for point in entry_points(group=GROUP):
-        if point.name == name:
-            offered = getattr(import_module(point.module), "CAPABILITIES", None)
-            if offered is None:
-                raise UserError(
-                    "unknown-capabilities",
-                    f"the backend '{name}' does not say what its vehicles can do",
-                    hint="its module declares CAPABILITIES; without it only a flight can tell",
-                )
-            return frozenset(offered)
-    raise _unknown(name)
+    offered = getattr(import_module(_point(name).module), "CAPABILITIES", None)
+    if offered is None:
+        raise UserError(
+            "unknown-capabilities",
+            f"the backend '{name}' does not say what its vehicles can do",
+            hint="its module declares CAPABILITIES; without it only a flight can tell",
+        )
+    return frozenset(offered)
 
 
 def open_backend(name: str, options: Options) -> Session:
@@ -40,11 +38,8 @@ def open_backend(name: str, options: Options) -> Session:
     Raises UserError (``unknown-backend``) and what the backend raises: UserError for a bad world,
     VehicleError when there is no vehicle to be had.
     """
-    for point in entry_points(group=GROUP):
-        if point.name == name:
-            session: Session = point.load()(options)
-            return session
-    raise _unknown(name)
+    session: Session = _point(name).load()(options)
+    return session
 
 
 def not_heard(vehicle: str, options: Options) -> VehicleError:
@@ -57,7 +52,8 @@ def not_heard(vehicle: str, options: Options) -> VehicleError:
     )
 
 
-def _unknown(name: str) -> UserError:
-    return UserError(
-        "unknown-backend", f"no backend is called '{name}'", hint=nearest(name, backend_names())
-    )
+def _point(name: str) -> EntryPoint:
+    if name not in plugins(GROUP):
+        hint = nearest(name, backend_names())
+        raise UserError("unknown-backend", f"no backend is called '{name}'", hint=hint)
+    return plugins(GROUP)[name]

@@ -54,6 +54,8 @@ class BaseVehicle:
         self._expires = inf
         """Time at which the set-point being flown expires, session's clock."""
         self._seen: Observation | None = None
+        self._now = 0.0
+        """Time at the end of the last period, seconds of the session's clock."""
 
     # Methods for subclasses to override.
 
@@ -80,13 +82,12 @@ class BaseVehicle:
 
         When the vehicle has not ``heard`` them, only the last set-point's validity runs out.
         """
-        now = self._seen.time if self._seen else 0.0
         if heard and self._given is not None:
             (setpoint, valid_for), self._given = self._given, None
-            self._expires = inf if isinstance(setpoint, Hold) else now + valid_for
+            self._expires = inf if isinstance(setpoint, Hold) else self._now + valid_for
             self.orders.end("ended by a command")
             self.fly(setpoint)
-        elif now >= self._expires - _EPSILON:
+        elif self._now >= self._expires - _EPSILON:
             self._expires = inf
             if not self.refusal():
                 self.fly(Hold())
@@ -104,7 +105,7 @@ class BaseVehicle:
 
     def end_period(self, seen: Observation) -> None:
         """End a mission period with its observation; orders that took too long are lost."""
-        self._seen = seen
+        self._seen, self._now = seen, seen.time
         self.orders.expire(seen.time)
 
     # The contract.

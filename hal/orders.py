@@ -100,6 +100,8 @@ class Orders:
 
     def take(self) -> list[Order]:
         """Remove and return the orders to decide on, in the sequence in which they were sent."""
+        if not self._sent:
+            return []  # nearly always
         sent, self._sent = self._sent, []
         for order in sent:
             if order.reason:
@@ -118,12 +120,16 @@ class Orders:
 
     def end(self, reason: str = "") -> None:
         """Mark all orders under way as done or, with a reason, as refused."""
+        if not self._under_way:
+            return
         for order in self._under_way.values():
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
         self._under_way.clear()
 
     def expire(self, now: float) -> None:
         """Mark orders as lost that were not answered or done in time (``now``: session's clock)."""
+        if not self._sent and not self._under_way:
+            return
         for order in self._sent:
             if _age(order, now) >= ANSWER_WITHIN:
                 order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol
 
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, nearest
 from vencejo.geometry import Pose
+from vencejo.plugins import plugins
 from worlds.things import Thing
 from worlds.world import World
 
@@ -45,12 +45,12 @@ class Renderer(Protocol):
 
 def renderer_names() -> list[str]:
     """The renderers that are installed."""
-    return sorted({point.name for point in entry_points(group=GROUP)})
+    return sorted(plugins(GROUP))
 
 
 def check_renderer(name: object) -> str:
     """The name of an installed renderer. Raises UserError (``unknown-renderer``)."""
-    if not isinstance(name, str) or name not in renderer_names():
+    if not isinstance(name, str) or name not in plugins(GROUP):
         raise _unknown(name)
     return name
 
@@ -64,11 +64,8 @@ def open_renderer(
     ground. Raises UserError for an unknown name (``unknown-renderer``), a texture that cannot be
     read, or a renderer that does not run on this machine.
     """
-    for point in entry_points(group=GROUP):
-        if point.name == name:
-            renderer: Renderer = point.load()(world, vehicles, shadows)
-            return renderer
-    raise _unknown(name)
+    renderer: Renderer = plugins(GROUP)[check_renderer(name)].load()(world, vehicles, shadows)
+    return renderer
 
 
 def show_window(world: World) -> None:

@@ -151,17 +151,20 @@ Setpoint = Velocity | Position | Attitude | Hold
 
 def is_finite(setpoint: Setpoint) -> bool:
     """Whether every number of a set-point is finite."""
-    numbers: list[float | None]
-    match setpoint:
-        case Velocity():
-            numbers = [setpoint.x, setpoint.y, setpoint.z, setpoint.yaw_rate]
-        case Position():
-            numbers = [*setpoint.xyz, *(setpoint.velocity or ()), setpoint.yaw, setpoint.yaw_rate]
-        case Attitude():
-            numbers = [*setpoint[:5]]
-        case Hold():
-            numbers = []
-    return all(number is None or isfinite(number) for number in numbers)
+    # One sum tests all of them: it is finite only when every part is.
+    if isinstance(setpoint, Position):
+        x, y, z = setpoint.xyz
+        total = x + y + z + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
+        if setpoint.velocity is not None:
+            total += sum(setpoint.velocity)
+    elif isinstance(setpoint, Velocity):
+        total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate
+    elif isinstance(setpoint, Attitude):
+        roll, pitch, climb, thrust, yaw_rate, _ = setpoint
+        total = roll + pitch + climb + (thrust or 0.0) + yaw_rate
+    else:
+        return True
+    return isfinite(total)
 
 
 @dataclass(frozen=True, slots=True)

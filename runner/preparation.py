@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
 
 from behaviors import drone_vocabulary, load_all, trusted
 from behaviors.registry import Own
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
-from fsm.fleet import check_fleet, read_fleet
 from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
-from fsm.scxml import Element, import_mission, is_mission, load_document, read_document
 from runner.missions import Found
 from vencejo.errors import Fault, Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
+
+if TYPE_CHECKING:
+    # Most missions are YAML: what reads others is imported when there is one.
+    from fsm.scxml import Element
 
 DEFAULT_WORLD = "empty"
 
@@ -42,14 +45,15 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     Raises UserError with every fault that was found.
     """
     faults = Faults()
-    document = read_document(found.path, found.shown_as) if _is_scxml(found) else None
-    spec = _spec(found, document, faults)
+    spec, document = _read(found, faults)
     word, where = _world_word(spec.world, found.path.parent, world)
     place: World | None = None
     with faults.collecting():
         place = find_world(word, where)
     vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code)
-    if document is not None and not is_mission(document):
+    if document is not None:
+        from fsm.scxml import load_document
+
         graph = load_document(document, spec.name, vocabulary)
         faults.raise_any()
     else:
@@ -67,6 +71,8 @@ def check_fleet_file(
 
     Fleets do not fly yet. Raises UserError when the fleet's own file or its world cannot be read.
     """
+    from fsm.fleet import check_fleet, read_fleet
+
     fleet, faults = read_fleet(found.path, found.shown_as)
     place = find_world(*_world_word(fleet.world, found.path.parent, world))
     graphs: dict[str, Graph] = {}
@@ -84,18 +90,17 @@ def check_fleet_file(
     return list(dict.fromkeys(faults)), list(graphs.values())
 
 
-def _is_scxml(found: Found) -> bool:
-    return found.path.suffix == ".scxml"
+def _read(found: Found, faults: Faults) -> tuple[MissionSpec, Element | None]:
+    """The mission as written; of a foreign SCXML document no more than its name, and its root."""
+    if found.path.suffix != ".scxml":
+        return read_mission(found.path, found.shown_as, faults), None
+    from fsm.scxml import import_mission, is_mission, read_document
 
-
-def _spec(found: Found, document: Element | None, faults: Faults) -> MissionSpec:
-    """The mission as written; a foreign SCXML document gives no more than its name."""
-    if document is None:
-        return read_mission(found.path, found.shown_as, faults)
+    document = read_document(found.path, found.shown_as)
     if is_mission(document):
-        return import_mission(document, found.shown_as, found.path.parent)
+        return import_mission(document, found.shown_as, found.path.parent), None
     name = document.get("name") or found.path.stem
-    return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound"))
+    return MissionSpec(name, found.shown_as, StateSpec("", document.where, "compound")), document
 
 
 def _vocabulary_of(

@@ -15,9 +15,10 @@ from pathlib import Path
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
-from hal.vehicle import Frame, Observation
+from hal.vehicle import Frame, Observation, Reading
 from runner.appended_file import AppendedFile, as_json, encode, writing
 from runner.frames import FrameFiles
+from runner.readings import ReadingFile
 from runner.run_folder import (
     EVENTS,
     SUMMARY,
@@ -70,8 +71,11 @@ class Recorder:
         self._states: dict[str, Sequence[str]] = {}
         """Paths of the active leaf states, by vehicle."""
         self._frames = FrameFiles(folder) if frames else None
-        self._read: list[tuple[str, str, Frame]] = []
+        self._unwritten_frames: list[tuple[str, str, Frame]] = []
         """Vehicle, camera and frame of every frame read but not yet written."""
+        self._readings = ReadingFile(folder)
+        self._unwritten_readings: list[tuple[str, str, Reading]] = []
+        """Vehicle, sensor and reading of every reading read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
 
@@ -98,13 +102,17 @@ class Recorder:
         self._telemetry.append([TELEMETRY_COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
-        """Record the camera frames that the behaviours of this pilot read."""
+        """Record the frames and readings that the behaviours of this pilot read."""
         if self._frames is not None:
             pilot.channel.on_frame = partial(self._keep_frame, pilot.vehicle.name)
+        pilot.channel.on_reading = partial(self._keep_reading, pilot.vehicle.name)
 
     def _keep_frame(self, vehicle: str, camera: str, frame: Frame) -> None:
         # Written after the period: a full disk is no failure of the behaviour that reads a frame.
-        self._read.append((vehicle, camera, frame))
+        self._unwritten_frames.append((vehicle, camera, frame))
+
+    def _keep_reading(self, vehicle: str, sensor: str, reading: Reading) -> None:
+        self._unwritten_readings.append((vehicle, sensor, reading))
 
     def take(self, pilot: Pilot) -> list[Record]:
         """Write one period of a pilot: its records, now empty, and a row of telemetry."""
@@ -124,8 +132,10 @@ class Recorder:
         self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
         if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
-        if self._read:
+        if self._unwritten_frames:
             self._write_frames()
+        if self._unwritten_readings:
+            self._write_readings()
         return records
 
     def _write_rows(self) -> None:
@@ -133,20 +143,26 @@ class Recorder:
         self._telemetry.append([telemetry_row(*row) for row in rows])
 
     def _write_frames(self) -> None:
-        read, self._read = self._read, []
+        read, self._unwritten_frames = self._unwritten_frames, []
         if self._frames is not None:
             for frame in read:
                 self._frames.write(*frame)
 
+    def _write_readings(self) -> None:
+        measured, self._unwritten_readings = self._unwritten_readings, []
+        for reading in measured:
+            self._readings.write(*reading)
+
     def close(self) -> None:
         """Everything is on disk after this; closing again does nothing."""
         with ExitStack() as stack:
-            for file in (self._frames, self._telemetry, self._events):
+            for file in (self._frames, self._readings, self._telemetry, self._events):
                 if file is not None:
                     stack.callback(file.close)
             if self._rows:
                 self._write_rows()
             self._write_frames()
+            self._write_readings()
 
     def write_summary(self, summary: Summary) -> None:
         """Write how the run ended, for people to read too."""

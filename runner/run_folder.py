@@ -3,8 +3,8 @@
 This is the one place that knows the formats; docs/runs.md describes them for people. The recorder
 writes what is encoded here, and :func:`read_run` gives it back, also of a run that was killed: its
 files are only appended to in flight, so no more than their last lines can be cut off. The version
-that the first line of ``events.jsonl`` names is that of all files but ``frames.jsonl``, which names
-its own.
+that the first line of ``events.jsonl`` names is that of all files but ``frames.jsonl`` and
+``readings.jsonl``, which name their own.
 """
 
 from __future__ import annotations
@@ -14,16 +14,19 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from hal.vehicle import Frame, Intrinsics, Observation
+from hal.vehicle import Frame, Intrinsics, Observation, Reading
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point, Quaternion, roll_pitch_of
 
 EVENTS, TELEMETRY, FRAMES, SUMMARY = "events.jsonl", "telemetry.csv", "frames.jsonl", "summary.json"
 EVENTS_FORMAT, EVENTS_VERSION = "vencejo.events", 1
 FRAMES_FORMAT, FRAMES_VERSION = "vencejo.frames", 1
+READINGS = "readings.jsonl"
+READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
 TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
 _ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
 ALONE = "drone"
@@ -114,6 +117,15 @@ class RecordedFrame:
 
 
 @dataclass(frozen=True)
+class RecordedReading:
+    """A reading of a sensor that a behaviour has read."""
+
+    vehicle: str
+    sensor: str
+    reading: Reading
+
+
+@dataclass(frozen=True)
 class Flown:
     """The result of the flight of one vehicle."""
 
@@ -182,7 +194,9 @@ class Run:
     telemetry: Mapping[str, tuple[Sample, ...]]
     """By vehicle, in the order of time: one sample each mission period (25 ms)."""
     frames: tuple[RecordedFrame, ...]
-    """In the order in which they were read."""
+    """Frames of cameras, in the order in which they were read."""
+    readings: tuple[RecordedReading, ...]
+    """Readings of sensors, in the order in which they were read."""
     summary: Summary | None
     """None for a run that has not ended."""
     missing: tuple[str, ...]
@@ -284,6 +298,22 @@ def frame_fields(
     }
 
 
+def readings_header() -> dict[str, Any]:
+    """The first line of ``readings.jsonl``, as an object for JSON."""
+    return {"format": READINGS_FORMAT, "version": READINGS_VERSION}
+
+
+def reading_fields(vehicle: str, sensor: str, reading: Reading) -> dict[str, Any]:
+    """Any other line of ``readings.jsonl``, as an object for JSON.
+
+    A value that is not finite (nothing within range is infinitely far) is a text, ``"inf"``.
+    """
+    values = {
+        name: value if isfinite(value) else str(value) for name, value in reading.values.items()
+    }
+    return {"t": reading.time, "vehicle": vehicle, "sensor": sensor, "values": values}
+
+
 def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
     """The object that ``summary.json`` holds and ``drone-cli run --json`` prints, rounded."""
     header, wall = summary.header, summary.wall_time
@@ -352,6 +382,7 @@ def read_run(folder: Path | str) -> Run:
         events=tuple(_each(folder / EVENTS, lines[1:], _entry)),
         telemetry=_telemetry(folder / TELEMETRY, missing),
         frames=tuple(_frames(folder, missing)),
+        readings=tuple(_readings(folder / READINGS, missing)),
         summary=_summary(folder / SUMMARY, header, missing),
         missing=tuple(missing),
     )
@@ -516,6 +547,22 @@ def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
     if lost:
         missing.append(f"{lost} of {len(frames)} pictures are not there")
     return frames
+
+
+def _readings(path: Path, missing: list[str]) -> list[RecordedReading]:
+    if not path.exists():
+        return []  # a flight that reads no sensor leaves no such file
+    lines = _lines(path, missing)
+    if not lines:
+        return []
+    _known_format(path, lines[0], READINGS_FORMAT, READINGS_VERSION)
+
+    def read(line: bytes) -> RecordedReading:
+        fields = _object(line)
+        values = {name: float(value) for name, value in fields["values"].items()}
+        return RecordedReading(fields["vehicle"], fields["sensor"], Reading(fields["t"], values))
+
+    return _each(path, lines[1:], read)
 
 
 def _summary(path: Path, header: Header, missing: list[str]) -> Summary | None:

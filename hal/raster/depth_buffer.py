@@ -7,11 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hal.scene.arrays import Float32s, Float64s, Pixels
+from hal.scene.arrays import Box, Float32s, Float64s, Pixels
 from hal.scene.scanlines import Scanlines
-
-Box = tuple[int, int, int, int]
-"""Left, top, right and bottom of a part of an image, pixels; right and bottom are outside."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +22,7 @@ class DepthFaces:
     colors: Pixels
     """(n, 4), BGRA."""
     textured: Mapping[int, tuple[Box, Pixels]]
-    """Faces that take their pixels from an image of a part of the picture, instead."""
+    """Faces that have a texture instead: its pixels as seen on a part of the image."""
     spheres: Mapping[int, tuple[Float64s, float]]
     """Faces that stand for a sphere: its centre in camera axes and its radius, metres."""
     to_rays: Float64s

@@ -10,12 +10,9 @@ import cv2
 import numpy as np
 
 from hal.raster.camera import PinholeCamera
-from hal.scene.arrays import Float64s, Pixels
+from hal.scene.arrays import Box, Float64s, Pixels
 from hal.scene.ground_tiles import LEVELS, TILE_TEXELS, GroundTiles, texel_size
 from hal.scene.textures import uniform_image
-
-Box = tuple[int, int, int, int]
-"""Left, top, right and bottom of a part of an image, pixels; right and bottom are outside."""
 
 _ANISOTROPY = 0.75
 """Between detail for the length of a pixel's footprint (1) and for its width (0)."""
@@ -185,10 +182,8 @@ class GroundPainter:
         to_texels, texels = np.array([*rows, [g, h, i]]), patch.texels
         x, y, w = (to_texels @ ((right - left) / 2, (bottom - top) / 2, 1.0)).tolist()
         large = (right - left) * (bottom - top) > _WORTH_TRANSPOSING
-        down, along = (
-            abs(to_texels[k, 0] * w - place * to_texels[2, 0]) for k, place in ((1, y), (0, x))
-        )
-        if large and down > along:
+        down = abs(to_texels[1, 0] * w - y * to_texels[2, 0])
+        if large and down > abs(to_texels[0, 0] * w - x * to_texels[2, 0]):
             to_texels, texels = to_texels[[1, 0, 2]], patch.transposed
         return np.asarray(
             cv2.warpPerspective(

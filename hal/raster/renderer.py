@@ -17,9 +17,9 @@ from hal.raster.buffers import GeometryBuffers
 from hal.raster.camera import NEAR, PinholeCamera
 from hal.raster.depth_buffer import DepthFaces, draw_with_depth_buffer
 from hal.raster.depth_order import depth_order
-from hal.raster.ground import Band, Box, GroundPainter, GroundProjection
+from hal.raster.ground import Band, GroundPainter, GroundProjection
 from hal.raster.shadows import Shadows
-from hal.scene.arrays import Bools, Float64s, Int32s, Int64s, Pixels
+from hal.scene.arrays import Bools, Box, Float64s, Int32s, Int64s, Pixels
 from hal.scene.ground_texture import ground_texture
 from hal.scene.ground_tiles import GroundTiles
 from hal.scene.scanlines import Outlines, Scanlines, outlines_of, scan_convert

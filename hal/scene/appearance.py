@@ -1,4 +1,4 @@
-"""The appearance of the simulated quadrotor in pictures."""
+"""The appearance of the simulated quadrotor in images."""
 
 from __future__ import annotations
 
@@ -24,7 +24,13 @@ def color_of(name: str) -> Color:
     return COLORS[sha256(name.encode()).digest()[0] % len(COLORS)]
 
 
-def quadrotor(name: str, *, arm: float, size: tuple[float, float, float]) -> Thing:
+ARM = 0.1785
+"""Distance from an AR.Drone's centre to a rotor, metres."""
+SIZE = (0.52, 0.52, 0.12)
+"""Bounding box of an AR.Drone with its hull, along its body axes, metres."""
+
+
+def quadrotor(name: str, *, arm: float = ARM, size: tuple[float, float, float] = SIZE) -> Thing:
     """A hull in the vehicle's colour, a dark nose and four rotor guards, about its centre.
 
     ``arm`` is the distance from the centre to a rotor, ``size`` that of the box about the whole

@@ -1,4 +1,4 @@
-"""The array types of pictures and geometry: one name per dtype."""
+"""The array types of images and geometry: one name per dtype."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 Pixels = NDArray[np.uint8]
 """An image: (height, width) in grey, or (height, width, channels) as BGR or BGRA."""
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom of a part of an image, pixels; right and bottom are outside."""
 Float64s = NDArray[np.float64]
 Float32s = NDArray[np.float32]
 Int64s = NDArray[np.int64]

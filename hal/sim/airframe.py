@@ -8,6 +8,7 @@ from math import pi
 from types import MappingProxyType
 
 from hal.limits import Limits
+from hal.scene.appearance import ARM, SIZE
 
 PROFILES: Mapping[str, Limits] = MappingProxyType(
     {
@@ -30,9 +31,9 @@ class Airframe:
     """kg, with battery and indoor hull."""
     inertia: tuple[float, float, float] = (2.237568e-3, 2.985236e-3, 4.80374e-3)
     """About the body's x, y and z, kg·m²."""
-    arm: float = 0.1785
+    arm: float = ARM
     """Distance from the centre to a motor, metres."""
-    size: tuple[float, float, float] = (0.52, 0.52, 0.12)
+    size: tuple[float, float, float] = SIZE
     """The box that collides with things, hull included, along the body's axes, metres."""
     max_thrust: float = 8.5
     """Total of the four motors, newtons; about twice the weight."""

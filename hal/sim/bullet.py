@@ -36,7 +36,7 @@ group 1, hits a body when both do.
 _GAP = 0.005
 """Bodies this near touch, metres: Bullet reports contacts a little before."""
 _SUPPORTING = 0.5
-"""A contact whose normal points up more than this supports: the sine of its steepness."""
+"""A contact supports when its unit normal rises more than this: on slopes of less than 60°."""
 _ORIGIN = Point(0.0, 0.0, 0.0)
 
 
@@ -44,7 +44,7 @@ def load_pybullet() -> Any:
     """The pybullet module, imported without the banner it prints. Raises VehicleError."""
     module = sys.modules.get("pybullet")
     if module is None:
-        with shut(2):
+        with silenced(2):
             try:
                 module = import_module("pybullet")
             except ImportError as error:
@@ -58,7 +58,7 @@ def load_pybullet() -> Any:
 
 
 @contextmanager
-def shut(*streams: int) -> Iterator[None]:
+def silenced(*streams: int) -> Iterator[None]:
     """Discard what C code writes to these file descriptors (1: standard output, 2: error).
 
     To replace Python's own streams does not reach it.
@@ -137,7 +137,7 @@ class Bullet:
         group: int = _FIXED,
         mask: int = _FREE | _RAY,
     ) -> None:
-        """A static body; as a plain rigid body (maximal coordinates) it costs next to nothing."""
+        """Add a static body; a plain rigid body (maximal coordinates) costs next to nothing."""
         body = self._p.createMultiBody(
             0, shape, -1, at, useMaximalCoordinates=1, physicsClientId=self._client
         )

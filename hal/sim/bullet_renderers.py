@@ -21,7 +21,7 @@ from hal.scene.scene import Scene
 from hal.scene.surfaces import Surface, sphere_mesh, surface_of, terrain_surface
 from hal.scene.textures import Bitmap, mipmap_of
 from hal.scene.transforms import rotation_matrix
-from hal.sim.bullet import load_pybullet, shut
+from hal.sim.bullet import load_pybullet, silenced
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
 from vencejo.geometry import Point, Pose
@@ -262,7 +262,7 @@ class EglRenderer(BulletRenderer):
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError (``no-egl``) where the plugin is missing or finds no OpenGL."""
         # The plugin prints a lot about the machine's OpenGL.
-        with shut(1, 2):
+        with silenced(1, 2):
             super().__init__(world, vehicles, shadows)
 
     def _connect(self) -> int:
@@ -303,12 +303,12 @@ class EglRenderer(BulletRenderer):
     def look(
         self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
     ) -> tuple[Pixels, Int32s]:
-        with shut(1):
+        with silenced(1):
             return super().look(pose, intrinsics, moment, vehicles)
 
     def close(self) -> None:
         if self._client >= 0:
-            with shut(1, 2):
+            with silenced(1, 2):
                 self._p.unloadPlugin(self._plugin, physicsClientId=self._client)
                 super().close()
 

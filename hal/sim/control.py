@@ -41,11 +41,11 @@ class Controller:
 
     __slots__ = (
         "_center_height", "_damping_x", "_damping_y", "_gain_x", "_gain_y", "_in_heading_frame",
-        "_mass", "_max_thrust", "_max_tilt_tan", "_max_tilt_torque", "_max_yaw_torque", "_place",
-        "_target_vx", "_target_vy", "_target_vz", "_target_yaw_rate", "_thrust", "_tilt",
-        "_velocity", "_world_tilt", "_yaw", "_yaw_rate", "_yaw_rate_gain",
-        "acceleration", "height", "max_altitude", "max_climb", "max_speed", "max_tilt",
-        "max_yaw_rate", "min_altitude", "noise",
+        "_mass", "_max_thrust", "_max_tilt", "_max_tilt_tan", "_max_tilt_torque",
+        "_max_yaw_torque", "_place", "_target_vx", "_target_vy", "_target_vz", "_target_yaw_rate",
+        "_thrust", "_tilt", "_velocity", "_world_tilt", "_yaw", "_yaw_rate", "_yaw_rate_gain",
+        "acceleration", "height", "max_altitude", "max_climb", "max_speed", "max_yaw_rate",
+        "min_altitude", "noise",
     )  # fmt: skip
 
     def __init__(self, airframe: Airframe) -> None:
@@ -59,9 +59,9 @@ class Controller:
         self._yaw_rate_gain = iz * _YAW_RATE_GAIN
         self.max_speed = airframe.max_speed
         self.max_climb = airframe.max_climb
-        self.max_tilt = airframe.max_tilt
-        self._max_tilt_tan = tan(airframe.max_tilt)
+        self._max_tilt_tan = 0.0
         """Tangent of the largest tilt: horizontal over vertical part of the thrust."""
+        self.max_tilt = airframe.max_tilt
         self.max_yaw_rate = airframe.max_yaw_rate
         self.min_altitude, self.max_altitude = -inf, inf
         self.noise = (0.0, 0.0, 0.0)
@@ -82,6 +82,16 @@ class Controller:
         self._yaw: float | None = None
         self._yaw_rate = 0.0
         self._target_vx = self._target_vy = self._target_vz = self._target_yaw_rate = 0.0
+
+    @property
+    def max_tilt(self) -> float:
+        """The largest tilt, radians."""
+        return self._max_tilt
+
+    @max_tilt.setter
+    def max_tilt(self, tilt: float) -> None:
+        self._max_tilt = tilt
+        self._max_tilt_tan = tan(tilt)
 
     # Targets.
 
@@ -157,8 +167,10 @@ class Controller:
 
         if self.height is not None:
             vz += _approach_speed(self.height - z, _POSITION_GAIN, _DECELERATION)
-        vz = max(vz, _approach_speed(self.min_altitude - z, _POSITION_GAIN, _DECELERATION))
-        vz = min(vz, _approach_speed(self.max_altitude - z, _POSITION_GAIN, _DECELERATION))
+        if self.min_altitude > -inf:
+            vz = max(vz, _approach_speed(self.min_altitude - z, _POSITION_GAIN, _DECELERATION))
+        if self.max_altitude < inf:
+            vz = min(vz, _approach_speed(self.max_altitude - z, _POSITION_GAIN, _DECELERATION))
         vz = max(-self.max_climb, min(self.max_climb, vz))
 
         noise_x, noise_y, noise_z = self.noise
@@ -168,7 +180,6 @@ class Controller:
             vz + noise_z,
         )
 
-        self._max_tilt_tan = tan(self.max_tilt)
         self._world_tilt = None if self._tilt is None else rotate_xy(*self._tilt, yaw)
 
         rate = self._yaw_rate

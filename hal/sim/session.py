@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from hal.scene.appearance import quadrotor
+from hal.scene.lamps import lamp_things
 from hal.sim.airframe import Airframe
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
@@ -62,6 +63,10 @@ class SimSession:
             name = vehicle.name
             context.pose_histories[name] = vehicle.pose_history
             context.appearances[name] = quadrotor(name, arm=airframe.arm, size=airframe.size)
+            context.lamps[name] = vehicle.lamps
+            if not alone:
+                height = airframe.size[2]
+                context.appearances |= lamp_things(name, arm=airframe.arm, height=height)
             vehicle.cameras = {
                 camera: SimCamera(name, camera, spec, context, self._steps)
                 for camera, spec in settings.cameras.items()

@@ -107,9 +107,9 @@ class SimVehicle(BaseVehicle):
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
-        self._lights = Lights()
-        self._lights_since = 0.0
-        """Time at which the lamps' pattern began, session's clock, seconds."""
+        self._lights = self._lights_before = Lights()
+        self._lights_since = self._lights_before_since = 0.0
+        """Times at which the lamps' pattern and the one before began, session's clock, seconds."""
         self._holding = False
         """True while the last set-point is Hold."""
         self._braking = False
@@ -133,8 +133,7 @@ class SimVehicle(BaseVehicle):
 
     def _observed(self) -> Observation:
         _, attitude, velocity, turning = self._state
-        stopped = self._mode == "stopped"
-        return Observation(
+        seen = Observation(
             self._time,
             self._position(),
             Point(*velocity),
@@ -147,16 +146,19 @@ class SimVehicle(BaseVehicle):
             self._mode,
             self._home,
             self._health(),
-            authority="none" if stopped else "mission",
-            authority_reason="the motors are stopped" if stopped else "",
-            events=tuple(
-                VehicleEvent("vehicle.collision", {"thing": name})
-                for name in self._contacts.touched
-            ),
         )
+        if self._mode == "stopped":
+            seen = seen._replace(authority="none", authority_reason="the motors are stopped")
+        touched = self._contacts.touched
+        if touched:
+            events = [VehicleEvent("vehicle.collision", {"thing": name}) for name in touched]
+            seen = seen._replace(events=tuple(events))
+        return seen
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
         """The colours of its four lamps at a time of the session's clock (see hal.lights)."""
+        if time < self._lights_since:
+            return self._lights_before.lamps(time - self._lights_before_since)
         return self._lights.lamps(time - self._lights_since)
 
     def _position(self) -> Point:
@@ -203,7 +205,7 @@ class SimVehicle(BaseVehicle):
             return refused(f"there is no altitude of {altitude:g} m")
         if ground + altitude > self._controller.max_altitude:
             limit = self._controller.max_altitude
-            return refused(f"{ground + altitude:g} m is above the limit of {limit:g} m")
+            return refused(f"{round(ground + altitude, 2):g} m is above the limit of {limit:g} m")
         self._armed = True
         self._braking = False
         self._climb_height = ground + altitude
@@ -252,6 +254,7 @@ class SimVehicle(BaseVehicle):
         return DONE if idle else refused("the motors are running")
 
     def _decide_lights(self, lights: Lights) -> Decision:
+        self._lights_before, self._lights_before_since = self._lights, self._lights_since
         self._lights, self._lights_since = lights, self._time
         return DONE
 

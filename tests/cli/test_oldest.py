@@ -12,12 +12,14 @@ ROOT = Path(__file__).parents[2]
 TESTS = (
     "tests/cli/test_run.py",
     "tests/cli/test_pieces.py",
+    "tests/runner/test_camera_logs.py",
     "tests/runner/test_frames.py",
     "tests/runner/test_loop.py",
     "tests/runner/test_pace.py",
     "tests/runner/test_recorder.py",
     "tests/runner/test_run_folder.py",
     "tests/hal/test_contract.py",
+    "tests/hal/test_sim_cameras.py",
     "tests/fsm",
 )
 

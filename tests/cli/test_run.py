@@ -176,6 +176,23 @@ states:
     assert header["world"] == "field"
 
 
+@pytest.mark.parametrize(
+    ("limits", "refusal"),
+    [
+        (["max_altitude=80cm"], "takeoff refused: 1 m is above the limit of 0.8 m"),
+        (["indoor", "max_altitude=80cm"], "takeoff refused: 1 m is above the limit of 0.8 m"),
+        (["max_altitude=2m", "max_speed=1m/s"], None),
+        (["indoor"], None),
+    ],
+)
+def test_limits_hold_above_home(hop: str, limits: list[str], refusal: str | None) -> None:
+    options = [word for limit in limits for word in ("--limit", limit)]
+    result = run_cli("run", hop, *options, "--json")
+    reason = json.loads(result.out)["reason"]
+    assert result.code == (1 if refusal else 0)
+    assert reason == (f"nothing handled failed: {refusal}" if refusal else None)
+
+
 def test_mavlink_is_not_there_yet(hop: str) -> None:
     result = run_cli("run", hop, "--backend", "mavlink")
     assert result.code == 3
@@ -198,6 +215,15 @@ BAD_ARGUMENTS = {
     "missing file": (["run", "hpo.yaml"], "did you mean 'hop.yaml'?"),
     "a folder": (["run", "."], "is a folder"),
     "unknown world": (["run", "hop.yaml", "--world", "yrad"], "did you mean 'yard'?"),
+    "mistyped profile": (["run", "hop.yaml", "--limit", "indor"], "did you mean 'indoor'?"),
+    "mistyped limit": (["run", "hop.yaml", "--limit", "max_sped=1"], "did you mean 'max_speed'?"),
+    "bad limit": (["run", "hop.yaml", "--limit", "max_tilt=3m"], "'3m' is a length, but an angle"),
+    "no limit": (["run", "hop.yaml", "--limit", "max_speed=0"], "must be a number above 0"),
+    "limits that contradict": (
+        ["run", "hop.yaml", "--limit", "max_altitude=1m", "--limit", "min_altitude=2m"],
+        "must be below",
+    ),
+    "no address": (["run", "hop.yaml", "--connect", "udpin:127.0.0.1:14540"], "has no address"),
     "no seed": (["run", "hop.yaml", "--seed", "x"], "'x' is not a valid integer"),
 }
 

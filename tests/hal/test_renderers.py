@@ -48,7 +48,10 @@ class Flat:
 def flat_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """An environment where a package with that renderer is installed, and nothing else."""
     points = [EntryPoint("flat", f"{__name__}:Flat", GROUP)]
-    monkeypatch.setattr("hal.renderers.entry_points", lambda group: points * (group == GROUP))
+    monkeypatch.setattr(
+        "hal.renderers.plugins",
+        lambda group: {point.name: point for point in points if group == GROUP},
+    )
 
 
 def test_the_renderers_of_this_package_are_installed() -> None:

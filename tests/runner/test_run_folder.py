@@ -367,6 +367,7 @@ def test_what_is_written_is_what_is_read(header: Header, data: st.DataObject) ->
             events=tuple(events),
             telemetry={name: tuple(samples) for name, samples in telemetry.items()},
             frames=(),
+            readings=(),
             summary=None,
             missing=("summary.json is not there",),
         )

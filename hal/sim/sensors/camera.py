@@ -6,10 +6,12 @@ only when it is read: reading changes nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from hal.lights import Rgb
 from hal.renderers import Renderer, open_renderer
+from hal.scene.lamps import lit_lamps
 from hal.sim.pose_history import PoseHistory
 from hal.sim.sensors.camera_spec import CameraSpec
 from hal.sim.sensors.sampling import Capture, newest_capture
@@ -40,7 +42,9 @@ class RenderContext:
         self.pose_histories: dict[str, PoseHistory] = {}
         """Name of a vehicle → its poses."""
         self.appearances: dict[str, Thing] = {}
-        """Name of a vehicle → its appearance."""
+        """Appearance of each vehicle, by its name, and of its lamps."""
+        self.lamps: dict[str, Callable[[float], Sequence[Rgb]]] = {}
+        """Name of a vehicle → colours of its lamps at a time of the session's clock, seconds."""
         self._renderer: Renderer | None = None
 
     @property
@@ -106,6 +110,8 @@ class SimCamera:
             poses = {name: history.pose(steps_ago, moment) for name, history in histories}
             pose = self._camera_pose(poses.pop(self._vehicle))
             time = capture.time + moment
+            for name, body in [*poses.items()]:
+                poses.update(lit_lamps(name, context.lamps[name](time), body))
             images.append(context.renderer.render(pose, lens.pinhole, time, poses))
         body = context.pose_histories[self._vehicle].pose(steps_ago)
         position, attitude = self._camera_pose(body)

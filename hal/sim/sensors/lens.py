@@ -81,9 +81,11 @@ def _undistorted(lens: Intrinsics) -> tuple[Intrinsics, tuple[Float32s, Float32s
     matrix = camera_matrix(lens)
     x, y = np.meshgrid(np.arange(lens.width), np.arange(lens.height))
     pixels = np.stack([x, y], -1).reshape(-1, 1, 2).astype(np.float64)
-    # Without its criteria OpenCV stops after five rounds, up to a pixel off.
+    # Without its criteria OpenCV stops after five rounds, up to a pixel off. OpenCV 4 takes them by
+    # a function of its own, which OpenCV 5 has no more.
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)
-    straight = cv2.undistortPoints(
+    undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)
+    straight = undistort(
         pixels, matrix, np.array(lens.distortion), R=None, P=None, criteria=criteria
     )
     rays = np.asarray(straight).reshape(lens.height, lens.width, 2)
