@@ -1,4 +1,4 @@
-"""Functions that a mission may `call`: Python beside it, prompt and never motion."""
+"""Functions in Python beside a mission that it may `call`; they return at once and move nothing."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ _MARK = "_vencejo_action"
 def action(function: F) -> F:
     """Let missions `call` this function by its name.
 
-    Its arguments, which need names, are what a mission gives: `call: {leds: {color: red}}`. It
-    must return at once; what it returns is not used, and what it raises is `error.execution`.
+    A mission gives its arguments by name: `call: {leds: {color: red}}`. The function must return
+    at once; its result is ignored, and an exception becomes `error.execution`.
     """
     setattr(function, _MARK, True)
     return function
 
 
 def is_action(thing: object) -> bool:
-    """Whether something was marked with :func:`action`."""
+    """Whether an object is a function marked with :func:`action`."""
     return inspect.isfunction(thing) and hasattr(thing, _MARK)
 
 
 def describe_action(function: Callable[..., Any]) -> Function:
-    """An action as the checker sees it. Raises TypeError for arguments that have no name."""
+    """The checker's view of an action. Raises TypeError for an argument that has no name."""
     hints = typing.get_type_hints(function)
     parameters = {}
     for name, declared in inspect.signature(function).parameters.items():

@@ -1,4 +1,4 @@
-"""A behaviour at work: from the graph's values to a Behavior object and back."""
+"""A running behaviour: the values of the graph become a Behavior object's parameters, and back."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class DroneActivity:
         post: Post,
         start: Observation | None = None,
     ) -> None:
-        """``start`` is where relative points are counted from: without it, where it is now."""
+        """``start``: the observation that relative points count from, by default the present."""
         self.info = info
         self.published: Any = info.blank
         self.failure: Outcome | None = None
@@ -55,7 +55,7 @@ class DroneActivity:
     def resumed(
         cls, info: BehaviorInfo, saved: Mapping[str, Any], channel: Channel, post: Post
     ) -> DroneActivity:
-        """One that goes on where another had come to; relative points stay where they were."""
+        """Continue from a saved activity; relative points stay where they were."""
         position, yaw = saved["start"]
         start = channel.observation._replace(position=position, yaw=yaw)
         activity = cls(info, saved["with"], saved["progress"], channel, post, start)
@@ -63,7 +63,7 @@ class DroneActivity:
         return activity
 
     def saved(self) -> Mapping[str, Any]:
-        """See fsm.Activity: parameters as given, where that was, and how far it came."""
+        """See fsm.Activity: the parameters as given, the pose they count from, and the progress."""
         return {
             "with": self._given,
             "start": [self._start.position, self._start.yaw],
@@ -91,7 +91,7 @@ class DroneActivity:
             return self.failure
         try:
             for name, value in self._resolve(live).items() if live else ():
-                # What has no value just now, like the place of something unseen, stays as it was.
+                # A parameter without a value now, such as the place of something unseen, stays.
                 if value is not None:
                     self._given[name] = live[name]
                     setattr(self._behavior.params, name, value)
@@ -112,7 +112,7 @@ class DroneActivity:
         try:
             return self._behavior.progress()
         except Exception:
-            # Without its progress it starts anew; what went wrong there harms no flight.
+            # Without progress it starts anew; an error here is no reason to end the flight.
             return None
         finally:
             self._flight.may_command = not self._stopped
@@ -140,7 +140,7 @@ def _failed(reason: str) -> Outcome:
 
 
 def story(error: Exception) -> str:
-    """What went wrong, with the line of the behaviour's own file but no path of this machine."""
+    """Describe an error, with the file and line it was raised at but no path of this machine."""
     if isinstance(error, EvaluationError):
         return str(error)
     frames = traceback.extract_tb(error.__traceback__)

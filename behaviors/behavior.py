@@ -34,29 +34,29 @@ class Behavior:
     publishes: ClassVar[type | None] = None
     """Dataclass with defaults, read in the graph as ``name.field``."""
     controls: ClassVar[tuple[str, ...]] = ("motion",)
-    """Resources that only one active behaviour may have."""
+    """Resources that it needs exclusively, such as ``motion``."""
     requires: ClassVar[tuple[str, ...]] = ()
     """Capabilities that the vehicle must have; checked before take-off."""
     ends_landed: ClassVar[bool] = False
-    """Whether every ``done`` leaves the vehicle on the ground."""
+    """True when every ``done`` leaves the vehicle on the ground."""
 
     def __init__(self, params: Any) -> None:
         self.params = params
-        """The parameters; live ones have their present values before every step."""
+        """The parameters; live ones are updated before every step."""
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        """Begin; ``progress`` is what progress() said when the state was left before."""
+        """Begin; ``progress`` is what ``progress()`` returned when the state was last left."""
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        """One mission period. Return an outcome to end."""
+        """Run one mission period. Return an outcome to end, None to go on."""
         raise NotImplementedError
 
     def progress(self) -> dict[str, Any] | None:
-        """How far it came, as JSON; asked before stop."""
+        """The progress to resume from, as JSON; called before ``stop``. None for none."""
         return None
 
     def stop(self, flight: Flight) -> None:
-        """Called once, also when it was cut short; commands no motion."""
+        """End; called once, also when the behaviour is interrupted. Must not command motion."""
 
 
 def name_of(behavior: type[Behavior]) -> str:

@@ -1,7 +1,7 @@
 """The channel between a mission and its vehicle: observations in, set-points and orders out.
 
-Observations are in the mission frame here, as set-points are; positions pass from one frame to the
-other here and nowhere else. What a single behaviour may do with the channel is the matter of its
+Observations and set-points are in the mission frame here; positions are converted to and from the
+world frame here and nowhere else. Which parts of the channel a behaviour may use is decided by its
 own :class:`behaviors.flight.Flight`.
 """
 
@@ -35,7 +35,7 @@ class Jump(NamedTuple):
 
     epoch: int
     offset: tuple[float, float, float]
-    """By how much every place is elsewhere in world coordinates than before, metres."""
+    """Change of the world coordinates of every fixed place, metres."""
 
 
 class Channel:
@@ -49,14 +49,14 @@ class Channel:
         self.dt = PERIOD
         """The step that the session made to this period, seconds."""
         self.setpoint: Setpoint | None = None
-        """What was commanded in this period, mission frame."""
+        """The set-point commanded in this period, mission frame; None for none yet."""
         self.order: Order | None = None
-        """The manoeuvre that the behaviour at work has asked the vehicle for."""
-        self.looked: Callable[[str, Frame], None] = _unseen
-        """Told of each camera frame that is read: the camera's name, the frame in the world frame.
-        """
-        self.measured: Callable[[str, Reading], None] = _unseen
-        """Told of each sensor reading that is read: the sensor's name, the reading."""
+        """The last manoeuvre that the active behaviour ordered, unless a set-point followed it."""
+        self.on_frame: Callable[[str, Frame], None] = _ignore
+        """Called with each camera frame that is read: the camera's name, and the frame with its
+        pose in the world frame."""
+        self.on_reading: Callable[[str, Reading], None] = _ignore
+        """Called with each sensor reading that is read: the sensor's name, the reading."""
         self.jump: Jump | None = None
         """The jump of the world frame that came with this period."""
         self.observe()
@@ -113,7 +113,7 @@ class _MissionCamera:
         taken = self._camera.latest()
         if taken is None:
             return None
-        self._channel.looked(self._name, taken)
+        self._channel.on_frame(self._name, taken)
         return dataclasses.replace(taken, position=self._channel.frame.from_world(taken.position))
 
 
@@ -126,9 +126,9 @@ class _MissionSensor:
     def latest(self) -> Reading | None:
         reading = self._sensor.latest()
         if reading is not None:
-            self._channel.measured(self._name, reading)
+            self._channel.on_reading(self._name, reading)
         return reading
 
 
-def _unseen(name: str, what: Frame | Reading) -> None:
-    """Nobody keeps frames or readings."""
+def _ignore(name: str, what: Frame | Reading) -> None:
+    """Ignore a frame or reading: nothing records them."""

@@ -1,4 +1,4 @@
-"""What one behaviour may touch: observations, a clock, draws, a command channel, its own events."""
+"""The access of one behaviour to its vehicle: observations, clock, commands and its own events."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from hal.vehicle import Camera, Observation, Sensor, Setpoint, is_finite
 
 
 class NotInControl(RuntimeError):
-    """A behaviour asked for what it does not control."""
+    """A behaviour commanded something that it does not control."""
 
 
 class Flight:
-    """The hands of one behaviour on the vehicle, from its ``start`` to its ``stop``.
+    """One behaviour's access to the vehicle, from its ``start`` to its ``stop``.
 
-    Reading is free. To command, to arm and all other verbs but ``lights`` belong to those that
-    control ``motion``; ``lights`` to those that control ``lights``. Others raise NotInControl.
+    Every behaviour may read. Set-points and all verbs but ``lights`` need ``motion`` among the
+    behaviour's ``controls``, and ``lights`` needs ``lights``; otherwise they raise NotInControl.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Flight:
         self.may_command = True
         """Not while its behaviour tells its progress, nor from its ``stop`` on."""
 
-    # What it can read.
+    # Reading.
 
     @property
     def observation(self) -> Observation:
@@ -52,7 +52,7 @@ class Flight:
 
     @property
     def dt(self) -> float:
-        """Seconds since the period before; a backend with a real clock may come late."""
+        """Seconds since the previous period; more than PERIOD when a real clock made it late."""
         return self._channel.dt
 
     @property
@@ -67,7 +67,7 @@ class Flight:
 
     @property
     def capabilities(self) -> frozenset[str]:
-        """What the vehicle can do."""
+        """The vehicle's capabilities (see :attr:`hal.Vehicle.capabilities`)."""
         return self._channel.vehicle.capabilities
 
     def camera(self, name: str) -> Camera:
@@ -78,23 +78,23 @@ class Flight:
         """A sensor by name. Raises hal's Unavailable."""
         return self._channel.sensor(name)
 
-    # What it can tell.
+    # Events and published values.
 
     def raise_event(self, name: str, record: Any = None) -> None:
         """Raise an event that the behaviour declares, with a record of its fields.
 
-        Raises ValueError for another one.
+        Raises ValueError for an event that it does not declare.
         """
         self._raise_event(name, record)
 
     def publish(self, record: Any) -> None:
-        """Publish a record of the declared class."""
+        """Publish values: a record of the class that the behaviour declares."""
         self._publish(record)
 
-    # What it can command.
+    # Commands.
 
     def command(self, setpoint: Setpoint) -> None:
-        """Fly a set-point of the mission frame in this period; the last word counts.
+        """Fly a set-point (mission frame) in this period; the last one of a period counts.
 
         It ends a manoeuvre under way. In a period without either the vehicle holds its place.
         Raises NotInControl, and ValueError for numbers that are not finite.

@@ -1,4 +1,4 @@
-"""The mission frame: where a mission's points are counted from, and how places are found.
+"""The mission frame, and how the points and places of a mission are resolved in it.
 
 Its origin is home, where the vehicle was when the mission began; its axes are the world's (east,
 north, up). When the origin of the world frame jumps, the mission frame stays where it is.
@@ -16,12 +16,12 @@ from hal.vehicle import Observation
 from vencejo.geometry import Point, distance, enu_of, rotate_xy
 
 STANDS_ON_HOME = 0.05
-"""A vehicle on the ground this near to its home stands on it, metres."""
+"""A vehicle on the ground that is nearer to home than this stands on it, metres."""
 _ZERO = Point(0.0, 0.0, 0.0)
 
 
 class MissionFrame:
-    """Home of one mission: where its points are counted from, and how places are found."""
+    """The frame of one mission, with the places it can name."""
 
     def __init__(
         self,
@@ -34,7 +34,7 @@ class MissionFrame:
         is at ``origin_shift`` now; ``places`` and ``geographic`` are those of the first one.
         """
         self.origin = origin
-        """The mission frame's zero, world frame."""
+        """The mission frame's origin, world frame, metres."""
         self.is_world = origin == _ZERO
         """Whether the two frames are one, and nothing needs to be moved."""
         self.origin_shift = origin_shift
@@ -53,8 +53,8 @@ class MissionFrame:
     ) -> MissionFrame:
         """The frame of a mission that begins with this observation (world frame).
 
-        Its zero is home where the vehicle stands on it, since an autopilot measures both, each
-        with an error of its own; else it is where the vehicle is.
+        Its origin is home while the vehicle stands there, since an autopilot measures home and
+        position with different errors; otherwise it is the vehicle's position.
         """
         at_home = not seen.flying and distance(seen.position, seen.home) < STANDS_ON_HOME
         origin = seen.home if at_home else seen.position
@@ -80,47 +80,59 @@ class MissionFrame:
     def point(self, given: Any, start: Observation) -> Point:
         """The mission-frame point of a value as missions write it.
 
-        ``start`` is the observation (mission frame) when the behaviour began: what is not said
-        stays as it was then. Raises EvaluationError.
+        ``start`` is the observation (mission frame) when the behaviour began: a coordinate that
+        is not given stays as it was then. Raises EvaluationError for an unknown place, a value
+        that is no point, or a geographic point where the vehicle has no geographic position.
         """
+        here = start.position
         if isinstance(given, Point):
             return given
-        here = start.position
         if isinstance(given, str):
-            if given == "home":
-                return Point(0.0, 0.0, here.z)
-            if given in self.places:
-                return self.from_world(self.places[given])
-            known = ", ".join(["home", *sorted(self.places)])
-            raise EvaluationError(f"there is no place '{given}' here (known: {known})")
+            return self._place(given, here)
         if not isinstance(given, Mapping):
             raise EvaluationError(f"{shown(given)} is not a point")
         if given.keys() & {"forward", "left", "up"}:
             east, north = rotate_xy(given.get("forward", 0.0), given.get("left", 0.0), start.yaw)
             return here.plus((east, north, given.get("up", 0.0)))
         if "lat" in given:
-            if self.geographic is None:
-                raise EvaluationError("the vehicle has no geographic position here")
-            east, north = enu_of(given["lat"], given["lon"], *self.geographic[:2])
-            world = self._from_first_world(Point(east, north, 0.0))
-            return world._replace(z=given.get("above_home", here.z))
+            return self._geographic_place(given, here)
         if given.get("frame") == "world":
             there = self.to_world(here).minus(self.origin_shift)
-            named = Point(*(given.get(axis, there[i]) for i, axis in enumerate("xyz")))
-            return self._from_first_world(named)
-        return Point(*(given.get(axis, here[i]) for i, axis in enumerate("xyz")))
+            return self._from_first_world(_completed(given, there))
+        return _completed(given, here)
+
+    def _place(self, name: str, here: Point) -> Point:
+        """The point of a place, in the mission frame; home is meant at the present height."""
+        if name == "home":
+            return Point(0.0, 0.0, here.z)
+        if name in self.places:
+            return self.from_world(self.places[name])
+        known = ", ".join(["home", *sorted(self.places)])
+        raise EvaluationError(f"there is no place '{name}' here (known: {known})")
+
+    def _geographic_place(self, given: Mapping[str, Any], here: Point) -> Point:
+        """The mission-frame point of ``{lat, lon, above_home}``; without a height, at this one."""
+        if self.geographic is None:
+            raise EvaluationError("the vehicle has no geographic position here")
+        east, north = enu_of(given["lat"], given["lon"], *self.geographic[:2])
+        world = self._from_first_world(Point(east, north, 0.0))
+        return world._replace(z=given.get("above_home", here.z))
 
     def _from_first_world(self, point: Point) -> Point:
         """A point of the world frame before any jump, which is what people write down."""
         return self.from_world(point.plus(self.origin_shift))
 
     def heading(self, given: Any, start: Observation) -> Heading:
+        """The heading of a value as missions write it. Raises as :meth:`point` does."""
         if isinstance(given, Mapping):
             return Face(self.point(given["face"], start))
         return given if isinstance(given, str) else float(given)
 
     def resolve(self, type_: Type, given: Any, start: Observation) -> Any:
-        """A checked value in the form behaviours use: Point, Heading, Route, Area, or itself."""
+        """A checked value in the form that behaviours use: Point, Heading, Route or Area.
+
+        Values of other types are returned as they are. Raises as :meth:`point` does.
+        """
         if given is None:
             return None
         if type_ == POINT:
@@ -143,3 +155,8 @@ class MissionFrame:
                 given.get("dwell"),
             )
         return Waypoint(self.point(given, start))
+
+
+def _completed(given: Mapping[str, Any], here: Point) -> Point:
+    """The point of ``{x, y, z}``; a coordinate that is not given stays as it is ``here``."""
+    return Point(*(given.get(axis, here[i]) for i, axis in enumerate("xyz")))

@@ -7,8 +7,9 @@ its target with the least of
 - √((b·dt/2)² + 2·b·s) − b·dt/2: the speed from which it stops within the way s that is left,
   when it slows down by b·dt each period (v² = 2·b·s, less what it moves during a period),
 - s/dt: what takes it there in this period,
-- u + (LEASH − l)·CATCH_UP, where the vehicle moves along the line at u and is a distance of l away:
-  a vehicle that is slow or held up is waited for.
+- u + (MAX_LEAD − l)·CATCH_UP, where u is the vehicle's speed along the line and l its distance
+  from the reference: the reference waits for a vehicle that is slow or held up. (MAX_LEAD is the
+  leash length of ArduPilot's ``AC_WPNav``.)
 
 It nears that speed by ACCELERATION·dt at most, and at the same rate loses what moves it across
 that line, so that it comes onto its line soon, whatever it did before. The planned deceleration b
@@ -27,17 +28,17 @@ from hal.vehicle import Observation, Position
 from vencejo.geometry import Point, bearing, distance, horizontal_distance, wrap
 
 ACCELERATION = 2.0
-"""How fast the reference changes its velocity along its line, and across it, m/s²."""
+"""Acceleration of the reference along its line, and across it, m/s²."""
 BRAKING = 1.2
-"""The deceleration it plans its stop with, m/s²."""
-LEASH = 0.6
-"""How far the reference runs ahead of a vehicle that cannot follow, metres."""
+"""Deceleration with which the reference plans its stop, m/s²."""
+MAX_LEAD = 0.6
+"""Distance from the reference at which a vehicle that cannot follow is waited for, metres."""
 CATCH_UP = 1.0
-"""How soon that distance settles, 1/s: slow against what ACCELERATION allows, so that it does."""
+"""Gain from the missing lead to speed, 1/s: low enough for ACCELERATION, so that it settles."""
 MIN_TRAVEL = 0.3
-"""Over less ground than this a direction means nothing, and the heading is kept, metres."""
+"""Distance over the ground below which a direction is not defined and the heading kept, metres."""
 NEARBY = 1.0
-"""A vehicle still within this of where a behaviour was interrupted goes on from there, metres."""
+"""An interrupted behaviour continues if the vehicle is at most this far from there, metres."""
 STILL = Point(0.0, 0.0, 0.0)
 
 
@@ -49,15 +50,16 @@ class Reference:
         self.velocity = velocity
 
     def progress(self) -> list[float]:
+        """Position and velocity, as JSON: six numbers."""
         return [*self.position, *self.velocity]
 
     @classmethod
     def resumed(cls, progress: Sequence[float]) -> Reference:
-        """One that goes on where another had come to."""
+        """Continue from the progress of another reference."""
         return cls(Point(*progress[:3]), Point(*progress[3:]))
 
     def step(self, target: Point, speed: float, vehicle: Observation, dt: float) -> None:
-        """Move on by ``dt`` seconds towards ``target`` at up to ``speed`` m/s."""
+        """Move towards ``target`` for ``dt`` seconds, at ``speed`` m/s at most."""
         x, y, z = self.position
         dx, dy, dz = target[0] - x, target[1] - y, target[2] - z
         left = sqrt(dx * dx + dy * dy + dz * dz)
@@ -73,8 +75,8 @@ class Reference:
         flown = vehicle.velocity
         follows = flown.x * ux + flown.y * uy + flown.z * uz
         lead = distance(self.position, vehicle.position)
-        wanted = min(wanted, max(0.0, follows + (LEASH - lead) * CATCH_UP))
-        # What still moves it across is part of its speed.
+        wanted = min(wanted, max(0.0, follows + (MAX_LEAD - lead) * CATCH_UP))
+        # Motion across the line counts towards the speed asked for.
         wanted = min(wanted, sqrt(max(0.0, speed * speed - (across * kept) ** 2)))
         along += max(-ACCELERATION * dt, min(ACCELERATION * dt, wanted - along))
 
@@ -83,7 +85,7 @@ class Reference:
         self.position = Point(x + vx * dt, y + vy * dt, z + vz * dt)
 
     def stop(self, vehicle: Observation, dt: float) -> None:
-        """Slow down along the way it moves, and stay where that ends."""
+        """Slow down along the present direction of motion, and stay where that ends."""
         self.step(self.position, 0.0, vehicle, dt)
 
     def setpoint(self, yaw: float) -> Position:
@@ -93,10 +95,10 @@ class Reference:
 def yaw_towards(
     heading: Heading, here: Point, target: Point, start_yaw: float, present_yaw: float
 ) -> float:
-    """The yaw that a heading asks for just now, radians.
+    """The yaw that a heading asks for at the present position, radians.
 
-    ``travel`` and ``face`` keep ``present_yaw``, the last one asked for, where what they look at
-    is too near to have a direction.
+    ``travel`` and ``face`` keep ``present_yaw``, the last one asked for, while the point they look
+    at is nearer than MIN_TRAVEL.
     """
     if isinstance(heading, Face) or heading == "travel":
         ahead = heading.point if isinstance(heading, Face) else target

@@ -1,6 +1,6 @@
 """Functions that every mission may `call`: limits and lights of its own vehicle.
 
-What the vehicle refuses is ``error.execution`` in the mission.
+A refusal by the vehicle becomes ``error.execution`` in the mission.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from vencejo.units import FREQUENCY, TIME
 def set_limits(channel: Channel, profile: str | None = None, **limits: float) -> None:
     """Change limits of flight: a named profile of the vehicle, single limits, or both.
 
-    Altitudes are above home. Raises EvaluationError for what the vehicle refuses.
+    Altitudes are above home. Raises EvaluationError when the vehicle refuses them.
     """
     wanted = Limits(**limits)
     try:
@@ -85,4 +85,4 @@ HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
         ),
     }
 )
-"""What missions may call by name, with what runs it on a channel."""
+"""The functions that missions may call, by name: the declaration and the implementation."""

@@ -13,7 +13,7 @@ from fsm.host import Outcome
 from vencejo.geometry import Point, distance
 
 SPEED = 1.0
-"""How fast it goes to a new place, m/s."""
+"""Speed at which it flies to a new place, m/s."""
 
 
 class Hover(Behavior):

@@ -1,4 +1,4 @@
-"""One leg: fly to a point and be there. What goto and route have in common."""
+"""One leg: a flight to a point, as goto and each part of a route make it."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from hal.vehicle import Position
 from vencejo.geometry import Point, distance, wrap
 
 PATIENCE = 15.0
-"""Seconds a leg goes on without getting nearer to its target."""
+"""Seconds without getting nearer to the target after which a leg is blocked."""
 NEARER = 0.1
-"""What counts as getting nearer, metres."""
+"""Least decrease of the distance that counts as getting nearer, metres."""
 
 
 @dataclass(frozen=True, slots=True)
 class Approach:
-    """How far it still is."""
+    """The remaining way to the target of a leg."""
 
     distance: float = value("m")
     """Straight line from the vehicle to the target."""
@@ -35,16 +35,16 @@ class Approach:
 
 @dataclass(frozen=True, slots=True)
 class Blocked:
-    """Why a target was not reached."""
+    """The fields of ``blocked``: a target that was not reached."""
 
     reason: str = ""
     distance: float = value("m")
-    """What was left."""
+    """Remaining distance to the target."""
 
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """When a leg counts as flown."""
+    """The conditions under which a leg counts as flown."""
 
     tolerance: float
     """Distance from the target, metres."""
@@ -68,7 +68,7 @@ class Leg:
         self.begin(target, flight.now)
         if progress:
             self.start_yaw = progress["start_yaw"]
-            # From anywhere else it flies there anew, with all the time it had at first.
+            # From farther away the leg starts anew, with the whole timeout and patience.
             if distance(progress["here"], seen.position) <= NEARBY:
                 self._go_on(progress)
 
@@ -83,7 +83,7 @@ class Leg:
         self._nearer_at = now - progress["no_nearer"]
 
     def progress(self) -> dict[str, Any]:
-        """How far it came; times as durations, since clocks go on meanwhile."""
+        """The progress to resume from, as JSON; times as durations, since the clock goes on."""
         now, inside = self._now, self.inside_since
         return {
             "start_yaw": self.start_yaw,
@@ -109,7 +109,10 @@ class Leg:
         self._nearer_at = now
 
     def step(self, flight: Flight, target: Point, speed: float, heading: Heading) -> Approach:
-        """Command this period's set-point; how far it still is."""
+        """Command this period's set-point, and return the remaining way.
+
+        ``speed`` is in m/s; a new ``target`` restarts the dwell and the patience.
+        """
         if target != self.target:
             self._aim(target, flight.now)
         seen = flight.observation
@@ -122,7 +125,7 @@ class Leg:
         )
 
     def arrived(self, flight: Flight, approach: Approach, arrival: Arrival) -> bool:
-        """Whether it is there, and has been for the dwell."""
+        """Whether the vehicle has been inside the tolerances for the dwell."""
         inside = (
             approach.distance <= arrival.tolerance
             and abs(approach.yaw_error) <= arrival.yaw_tolerance
@@ -135,11 +138,14 @@ class Leg:
         return flight.now - self.inside_since >= arrival.dwell - EPSILON
 
     def rest(self, flight: Flight) -> None:
-        """Command the target itself: what is held once the leg is over."""
+        """Command the target itself, to be held after the leg."""
         flight.command(Position(self.target, yaw=self.yaw))
 
     def blocked(self, flight: Flight, approach: Approach, timeout: float | None) -> Outcome | None:
-        """Whether it does not get there: time is up, or it has long come no nearer."""
+        """The outcome ``blocked`` when the leg is not getting there; None while it is.
+
+        That is after ``timeout`` seconds, or PATIENCE seconds without getting nearer.
+        """
         if self.inside_since is not None or approach.distance < self._nearest - NEARER:
             self._nearest = min(self._nearest, approach.distance)
             self._nearer_at = flight.now

@@ -1,4 +1,4 @@
-"""Behaviours that give the vehicle one order and wait: takeoff, land, return_home and others."""
+"""The order that takeoff, land, return_home and others give the vehicle and wait for."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from fsm.host import Outcome
 from hal.orders import Order
 
 EPSILON = 1e-9
-"""Seconds that a sum of times may be off."""
+"""Rounding errors of a sum of times are smaller than this, seconds."""
 
 
-class Waiting:
-    """An order that was given, and how long its behaviour waits for it."""
+class PendingOrder:
+    """An order that a behaviour waits for, with a timeout in seconds."""
 
     def __init__(
         self, order: Order, now: float, timeout: float, progress: Mapping[str, Any] | None = None
@@ -25,11 +25,11 @@ class Waiting:
         self.waited = now - self.started
 
     def progress(self) -> dict[str, Any]:
-        """How long it has waited; the order itself is given again, which changes nothing."""
+        """The seconds waited, as JSON; to give the order again on resuming changes nothing."""
         return {"waited": self.waited}
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        """``done``, or ``failed``: refused by the vehicle, lost on the way, or time is up."""
+        """The outcome: ``done``, or ``failed`` if refused, lost or too slow; None before."""
         order = self.order
         self.waited = flight.now - self.started
         if order.state == "done":

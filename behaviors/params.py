@@ -70,7 +70,7 @@ _TYPES: dict[Any, Type] = {
 
 @dataclass(frozen=True)
 class ParamSpec:
-    """What a class body says of one parameter."""
+    """The declaration of one parameter in a class body. Bounds and default are in ``unit``."""
 
     default: Any
     required: bool
@@ -94,18 +94,18 @@ def param(
     choices: tuple[str, ...] = (),
     help: str = "",
 ) -> Any:
-    """A parameter under ``with``; without a default it is required. Bounds are in ``unit``."""
+    """Declare a parameter of ``with``; without a default it is required. Bounds are in ``unit``."""
     required = default is _MISSING
     return ParamSpec(None if required else default, required, False, unit, min, max, choices, help)
 
 
 def live(default: Any = _MISSING, **settings: Any) -> Any:
-    """A parameter that may stand under ``live`` too; see :func:`param`."""
+    """Declare a parameter that may also stand under ``live``; see :func:`param`."""
     return dataclasses.replace(param(default, **settings), live=True)
 
 
 def value(unit: str = "", default: Any = 0.0) -> Any:
-    """A field, with its unit, of what a behaviour publishes or ends with."""
+    """Declare a field, with its unit, of published values, of an event or of an outcome."""
     return dataclasses.field(default=default, metadata={"unit": unit})
 
 
@@ -121,7 +121,7 @@ def _si(number: Any, unit: str) -> Any:
 
 
 def type_of(annotation: Any) -> Type:
-    """The type of the language that a Python annotation stands for."""
+    """The language's type for a Python annotation; ANY for one that it does not know."""
     options = typing.get_args(annotation)
     if type(None) in options:
         annotation = reduce(or_, (option for option in options if option is not type(None)))

@@ -1,9 +1,9 @@
 """The pilot: flies one graph on one vehicle, a mission period at a time.
 
-It joins what fsm and hal each leave open: observes, posts urgent events, lets the graph take its
-period, and commands the vehicle. Authority is in this order: the operator and safety (a landing
-past the mission), then the mission; where nobody commands, the vehicle holds its place. When the
-mission ends, in whatever way, the vehicle is landed; whatever becomes of the link, that is ordered.
+In each period it observes the vehicle, posts urgent events, runs the graph's period, and commands
+the vehicle. The operator and safety (a landing outside the mission) have authority over the
+mission; without a command the vehicle holds its place. However the mission ends, the vehicle is
+landed: the landing is ordered even when the link is lost.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from vencejo.geometry import Point, distance
 from vencejo.seeds import generator
 
 HOLD_BEFORE_LANDING = 1.0
-"""Seconds the vehicle comes to rest for, when a mission ends in the air."""
+"""Seconds of hold, to come to rest, after a mission has ended in the air."""
 LANDING_TIMEOUT = 300.0
-"""Seconds within which any landing must have ended, while the vehicle is heard."""
+"""Seconds after which a landing has failed, while the vehicle is heard."""
 SILENCE_TIMEOUT = 600.0
-"""Seconds for which a landing is ordered again and again while nothing is heard."""
+"""Seconds after which a landing has failed, while nothing is heard and it is ordered again."""
 LANDING_RETRY = 1.0
-"""Seconds after which a landing that was refused or lost is asked for again."""
+"""Seconds after which a landing that was refused or lost is ordered again."""
 STAY_WITHIN = 1.0
 """Metres within which a place that was commanded is held, rather than where the vehicle stops."""
 SILENT = frozenset({"lost", "gone"})
@@ -51,7 +51,7 @@ SAVED = {
 
 
 class Pilot:
-    """One vehicle with the mission it flies. ``period`` after every ``session.wait``."""
+    """One vehicle with the mission it flies: call ``period`` after every ``session.wait``."""
 
     def __init__(
         self,
@@ -63,7 +63,10 @@ class Pilot:
         seed: int = 0,
         thresholds: Thresholds | None = None,
     ) -> None:
-        """The vehicle has been observed once: its session has waited."""
+        """The vehicle must have been observed: its session has waited once.
+
+        Raises UserError (``missing-capability``).
+        """
         self.vehicle = vehicle
         self.channel = Channel(
             vehicle,
@@ -72,9 +75,9 @@ class Pilot:
         )
         self.instance = Instance(graph, self, parameters)
         self.landing: Order | None = None
-        """The landing past the mission, once it has begun."""
+        """The order to land outside the mission; None before."""
         self.reason = ""
-        """Why the mission was ended from outside; empty when it ended by itself."""
+        """The reason why the mission was ended from outside; empty when it ended by itself."""
         self.outcome: str | None = None
         self._watch = Watch(thresholds or Thresholds())
         self._ended_for = 0.0
@@ -83,15 +86,15 @@ class Pilot:
         """
         self._landing_asked = -inf
         self._noted = "alive", "mission"
-        """Link and authority as they were recorded last."""
+        """Link and authority in the last records of them."""
         self._refusal = ""
-        """Why the vehicle refused the last set-point of a behaviour."""
+        """The reason why the vehicle refused the last set-point; empty when it did not."""
         self._last: Setpoint = Hold()
-        """What was commanded last, mission frame."""
+        """The set-point commanded last, mission frame; Hold after a manoeuvre."""
         self._require(graph)
 
     def _require(self, graph: Graph) -> None:
-        """Refuse, before take-off, what this vehicle cannot do. Raises UserError."""
+        """Refuse a mission that needs more than this vehicle can do. Raises UserError."""
         for capability, node in graph.required().items():
             if capability not in self.vehicle.capabilities:
                 behavior = node.invocation.behavior.name if node.invocation else ""
@@ -102,7 +105,7 @@ class Pilot:
                     f"it has: {', '.join(sorted(self.vehicle.capabilities))}",
                 )
 
-    # -- Host: what the graph asks for ------------------------------------------------------
+    # -- the graph's host (see fsm.Host) ------------------------------------------------------
 
     def begin(
         self,
@@ -134,18 +137,18 @@ class Pilot:
             raise EvaluationError(story(error)) from error
 
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
-        """Give an event to another vehicle (see fsm.Host); this one flies alone."""
+        """Record an event to another vehicle as undelivered, for there is none (see fsm.Host)."""
         self.instance.record("undelivered", event=event, to=to)
 
     # -- the period -------------------------------------------------------------------------
 
     @property
     def finished(self) -> bool:
-        """Whether the mission has ended and the vehicle is down."""
+        """True once the mission has ended and the vehicle has landed."""
         return self.outcome is not None and self._is_down()
 
     def period(self, dt: float = PERIOD) -> None:
-        """One mission period, which came ``dt`` seconds after the last one.
+        """Run one mission period, ``dt`` seconds after the last one.
 
         Raises VehicleError when the vehicle cannot be brought down, or its link is gone.
         """
@@ -189,13 +192,13 @@ class Pilot:
             self.instance.record("jump", epoch=jump.epoch, offset=list(jump.offset))
 
     def abort(self) -> None:
-        """The operator asks to stop: ``operator.abort``, whose default is to land."""
+        """Post ``operator.abort``, the operator's wish to stop; by default it lands the vehicle."""
         self.instance.post("operator.abort")
 
     def land_now(
         self, reason: str = "the operator asked to land", outcome: str = "aborted"
     ) -> None:
-        """Land at once, past the mission, which ends in ``outcome``."""
+        """Land at once, outside the mission, which ends in ``outcome``."""
         if self.outcome is None:
             self.reason = reason
             self._end(outcome)
@@ -203,9 +206,9 @@ class Pilot:
             self._land()
 
     def _react(self) -> None:
-        """The host's own reaction to what no active state handled.
+        """Carry out the host's reaction to an event that no active state handled.
 
-        Hold, land and ``failed``; or suspend the mission, and hold.
+        It either ends the mission, which then holds, lands and fails, or suspends it and holds.
         """
         if not self.instance.reactions:
             return
@@ -237,7 +240,7 @@ class Pilot:
         return self.channel.observation.authority in ("operator", "autopilot")
 
     def _bring_down(self, dt: float) -> None:
-        """Hold, then land, and ask again for what is refused or lost on the way."""
+        """Hold, then land; order the landing again when it is refused or lost."""
         seen, landing = self.channel.observation, self.landing
         if self._is_down():
             return
@@ -272,7 +275,7 @@ class Pilot:
         return self.channel.now - self._landing_asked >= LANDING_RETRY
 
     def _command(self) -> None:
-        """The set-point of the behaviour in control; without one, hold: nothing stays latched."""
+        """Command the set-point of the behaviour in control; without one, hold."""
         channel = self.channel
         if channel.setpoint is not None:
             self._last = channel.setpoint
@@ -287,18 +290,16 @@ class Pilot:
             channel.send()
 
     def _manoeuvres(self) -> bool:
-        """Whether the vehicle flies by itself: on the order of a behaviour, or because it has
-        carried one out, and so holds its place or stands on the ground.
-        """
+        """Whether the vehicle flies a behaviour's order, or holds or stands after doing one."""
         order = self.channel.order
         if order is None or order.state in ("refused", "lost"):
             return False
         return order.state == "done" or self.instance.is_controlled("motion")
 
     def _stay(self, setpoint: Setpoint) -> Setpoint:
-        """What is held once nobody commands this any more.
+        """The set-point to hold once the behaviour that commanded ``setpoint`` has ended.
 
-        A near place to be at rest in is kept; from all that moves the vehicle comes to rest.
+        A fixed position within STAY_WITHIN is held; otherwise the vehicle stops.
         """
         if not isinstance(setpoint, Position) or (setpoint.velocity or STILL) != STILL:
             return Hold()
@@ -308,7 +309,7 @@ class Pilot:
 
 
 def save_flight(pilot: Pilot) -> dict[str, Any]:
-    """A flight at the end of a period, as JSON holds it; the vehicle itself is not in it.
+    """The state of a flight at the end of a period, as JSON, without the vehicle's own state.
 
     Raises UserError (see fsm.engine.saving.save).
     """
@@ -338,7 +339,7 @@ def resume_flight(
     geographic: tuple[float, float, float] | None = None,
     thresholds: Thresholds | None = None,
 ) -> Pilot:
-    """A pilot that goes on with a saved flight.
+    """A pilot that continues a saved flight.
 
     Raises UserError (see fsm.engine.saving.restore).
     """

@@ -1,4 +1,4 @@
-"""Which behaviours there are: those installed, and those in files beside a mission."""
+"""Behaviours by name: those installed, and those in Python files beside a mission."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ GROUP = "vencejo.behaviors"
 
 
 class Registry(Mapping[str, BehaviorInfo]):
-    """Behaviours by name; one that is installed is imported when it is first asked for."""
+    """Behaviours by name; an installed one is imported when it is first looked up."""
 
     def __init__(self, own: Mapping[str, BehaviorInfo] | None = None) -> None:
         self._points = plugins(GROUP)
@@ -46,14 +46,14 @@ class Registry(Mapping[str, BehaviorInfo]):
 
 
 Own = dict[str, BehaviorInfo | Function]
-"""Behaviours and functions of one's own, by name."""
+"""Behaviours and functions of a mission's own Python files, by name."""
 
 
 def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
-    """What is in the Python files that missions name under ``uses``, each with the folder it is
-    named from; one named twice runs once.
+    """Load the behaviours and functions in the Python files that missions name under ``uses``.
 
-    Runs those files; only ones inside that folder are accepted. Raises UserError.
+    ``files``: each name with the folder that it is relative to. The files are run, each once; they
+    must lie inside their folder. Raises UserError.
     """
     found: Own = {}
     seen: set[Path] = set()
@@ -98,7 +98,7 @@ def _contents(scalar: Scalar, path: Path) -> list[BehaviorInfo | Function]:
     sys.modules[module_name] = module
     try:
         spec.loader.exec_module(module)
-        # A class that has two names in its file is still one behaviour.
+        # A class with two names in its file is one behaviour.
         own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))
         functions = dict.fromkeys(filter(is_action, vars(module).values()))
         found: list[BehaviorInfo | Function] = [
@@ -120,7 +120,7 @@ def _contents(scalar: Scalar, path: Path) -> list[BehaviorInfo | Function]:
 
 
 def _is_own(thing: object, module: ModuleType) -> TypeGuard[type[Behavior]]:
-    """Whether a file's name is a behaviour written in it; `_names` are for its own use."""
+    """Whether an object is a public behaviour class defined in this very file."""
     return (
         isinstance(thing, type)
         and issubclass(thing, Behavior)

@@ -17,14 +17,14 @@ from vencejo.geometry import Point
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """Where on the route it is."""
+    """Progress along a route."""
 
     index: int = 0
-    """The point it heads for, from 0."""
+    """Index of the point that the vehicle flies to, from 0."""
     count: int = 0
-    """How many there are."""
+    """Number of points in the route."""
     distance: float = value("m")
-    """To that point."""
+    """Distance to that point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class FlyRoute(Behavior):
         progress = progress or {}
         self.index = progress.get("index", 0)
         points = self.params.points
-        # With fewer points than when it was interrupted, nothing is left to fly.
+        # A route that lost points while it was interrupted may have none left to fly.
         self.leg: Leg | None = None
         if self.index < len(points):
             self.leg = Leg(flight, points[self.index].at, progress.get("leg"))

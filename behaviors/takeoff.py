@@ -7,7 +7,7 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.manoeuvre import Waiting
+from behaviors.manoeuvre import PendingOrder
 from behaviors.params import BehaviorParams, param
 from fsm.host import Outcome
 
@@ -27,10 +27,10 @@ class Takeoff(Behavior):
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         order = flight.takeoff(self.params.altitude)
-        self.waiting = Waiting(order, flight.now, self.params.timeout, progress)
+        self.pending = PendingOrder(order, flight.now, self.params.timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        return self.waiting.step(flight)
+        return self.pending.step(flight)
 
     def progress(self) -> dict[str, Any]:
-        return self.waiting.progress()
+        return self.pending.progress()

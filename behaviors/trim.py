@@ -7,7 +7,7 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.manoeuvre import Waiting
+from behaviors.manoeuvre import PendingOrder
 from behaviors.params import BehaviorParams, param
 from fsm.host import Outcome
 
@@ -21,10 +21,10 @@ class Trim(Behavior):
     requires = ("trim",)
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.waiting = Waiting(flight.trim(), flight.now, self.params.timeout, progress)
+        self.pending = PendingOrder(flight.trim(), flight.now, self.params.timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        return self.waiting.step(flight)
+        return self.pending.step(flight)
 
     def progress(self) -> dict[str, Any]:
-        return self.waiting.progress()
+        return self.pending.progress()

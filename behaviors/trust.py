@@ -1,4 +1,4 @@
-"""Behaviours beside a mission as they can be known without running their file: by name only."""
+"""Names of the behaviours in Python files beside a mission, found without running the files."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from vencejo.nodes import MAX_BYTES, Scalar
 
 
 def trusted(files: Iterable[tuple[Scalar, Path]], faults: list[Fault]) -> Own:
-    """What Python files seem to hold, each named in a file of that folder; whatever a mission says
-    of it is believed.
+    """The behaviours and functions that Python files seem to define, found in their syntax trees.
 
-    Runs nothing. Files that may not be used go to ``faults``; what is no Python holds none.
+    ``files``: each name with the folder that it is relative to. Nothing is run, so parameters and
+    outcomes are unknown and a mission's use of them is not checked. Files that may not be used are
+    reported in ``faults``; a file that is no Python defines nothing.
     """
     found: Own = {}
     for scalar, folder in files:
@@ -31,7 +32,7 @@ def trusted(files: Iterable[tuple[Scalar, Path]], faults: list[Fault]) -> Own:
 
 
 def _contents(path: Path) -> Iterator[BehaviorInfo | Function]:
-    """Every class could be a behaviour, every decorated function one to call."""
+    """Every public class with a base as a behaviour, every decorated function as one to call."""
     try:
         if path.stat().st_size > MAX_BYTES:
             return

@@ -1,4 +1,4 @@
-"""What missions of drones may say: host names, events, reactions, behaviours."""
+"""The vocabulary of drone missions: host values, events, reactions, behaviours, functions."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ REACTIONS: Mapping[str, Reaction] = MappingProxyType(
         "operator.release": "resume",
     }
 )
-"""Everything else that is urgent or failed, and that nobody handles, lands the vehicle."""
+"""The reaction to an unhandled event; every other urgent or failed event lands the vehicle."""
 
 
 class VehicleView:
     """The values of ``vehicle`` in expressions: an observation in the mission frame.
 
-    Made every period and mostly not read, so it computes nothing before it is asked.
+    It is made every period and rarely read, so its values are computed when they are read.
     """
 
     __slots__ = ("_seen",)
@@ -137,8 +137,8 @@ def drone_vocabulary(
 ) -> Vocabulary:
     """The vocabulary of drone missions.
 
-    ``own`` are behaviours and functions beside the mission; ``places`` the world's, None when it
-    is not known; ``peers`` the vehicles of the fleet, None outside of one.
+    ``own`` are behaviours and functions beside the mission; ``places`` the names of the world's
+    places, None when the world is not known; ``peers`` the vehicles of the fleet, None without one.
     """
     own = own or {}
     return Vocabulary(

@@ -1,4 +1,4 @@
-"""Events of the vehicle: what its observations say that a mission must not miss."""
+"""Urgent events from observations: battery, link, late periods, and the vehicle's own events."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from hal.vehicle import PERIOD, Observation
 
 @dataclass(frozen=True)
 class Thresholds:
-    """When a run raises its urgent events."""
+    """The thresholds at which a run raises urgent events."""
 
     battery_low: float = 0.30
-    """Charge (0 to 1) of the advice ``battery.low``."""
+    """Charge, 0 to 1, at which ``battery.low`` is raised."""
     battery_critical: float = 0.15
-    """Charge of ``battery.critical``."""
+    """Charge, 0 to 1, at which ``battery.critical`` is raised."""
     link_lost: float = 3.0
-    """Seconds of silence of ``link.lost``."""
+    """Seconds of silence after which ``link.lost`` is raised."""
 
 
 LATE = 1.5
-"""Periods after which the next one is late."""
+"""A step of more than this many periods is late."""
 RECOVERED = 0.02
-"""How far above its threshold a charge must rise before it can be low again: estimates waver."""
+"""Hysteresis: the rise above a threshold, 0 to 1, after which a charge can be low again."""
 
 
 class Watch:
-    """Compares each observation with the thresholds; every crossing is one event."""
+    """Compares each observation with the thresholds and gives one event for each crossing."""
 
     def __init__(self, thresholds: Thresholds) -> None:
         self.thresholds = thresholds
@@ -38,18 +38,20 @@ class Watch:
         self._lost = False
 
     def progress(self) -> dict[str, Any]:
-        """What it has said already, as JSON."""
+        """The thresholds that are crossed at present, as JSON."""
         return {"below": sorted(self._below), "lost": self._lost}
 
     def go_on(self, progress: Mapping[str, Any]) -> None:
-        """Go on where another watch had come to."""
+        """Continue from the progress of another watch."""
         self._below, self._lost = set(progress["below"]), progress["lost"]
 
     def events(
         self, seen: Observation, step: float = PERIOD
     ) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """The events of this period, which came ``step`` seconds after the last: crossings of
-        thresholds, what the vehicle tells by itself, and whether the period was late.
+        """The events of this period, by name with their fields.
+
+        They are crossings of thresholds, events that the vehicle reports, and ``vehicle.late`` if
+        ``step``, the seconds since the last period, was too long.
         """
         if self._below or seen.battery <= self._highest:
             yield from self._crossings(seen.battery)

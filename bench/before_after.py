@@ -108,7 +108,7 @@ def _cameras(place: Path, runs: Path) -> dict[str, float]:
 
 
 def _run(place: Path, arguments: tuple[str, ...]) -> str:
-    """What a Python process prints in a checkout."""
+    """Run Python in a checkout, and return its output."""
     environment = {**os.environ, "PYTHONPATH": str(place)}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     done = subprocess.run(

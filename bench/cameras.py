@@ -1,4 +1,4 @@
-"""Cameras: pictures a second of each renderer, and missions flown with every frame read.
+"""Cameras: images per second of each renderer, and missions flown with every frame read.
 
     python -m bench.cameras [--json]
 
@@ -50,12 +50,12 @@ BATCHES = 7
 
 
 def write_world(folder: Path) -> Path:
-    """The world that is looked at; its things stand apart."""
+    """Write the world that is rendered, in which things do not touch, and return its path."""
     draw = Random(3)
     places: list[tuple[float, float]] = []
     while len(places) < 25:
         x, y = draw.uniform(-9, 9), draw.uniform(-9, 9)
-        # Away from where the mission takes off and from one another.
+        # Apart from the place of take-off and from one another.
         if all(abs(x - a) + abs(y - b) > 2.5 for a, b in [(0.0, 0.0), *places]):
             places.append((x, y))
     lines = ["world: bench", "ground: {color: grass, size: 200 m}", "boxes:"]
@@ -77,7 +77,7 @@ def write_world(folder: Path) -> Path:
 
 
 def poses() -> dict[str, Pose]:
-    """Straight down from 6 m, and ahead from the edge, a little down."""
+    """Two camera poses: down from a height of 6 m, and ahead from the edge, slightly down."""
     tilt = about_y(0.2)
     ahead = product(tilt, OPTICAL)
     down = product(about_y(pi / 2), OPTICAL)
@@ -85,11 +85,11 @@ def poses() -> dict[str, Pose]:
 
 
 def lens(width: int, height: int) -> Intrinsics:
-    return Intrinsics.of_view(width, height, pi / 3)
+    return Intrinsics.from_field_of_view(width, height, pi / 3)
 
 
-def rates(world: World, name: str, pictures: int) -> dict[str, float]:
-    """Pictures per second of CPU time, by pose and size; the median of some batches."""
+def rates(world: World, name: str, images: int) -> dict[str, float]:
+    """Images per second of CPU time, by pose and size: the median of some batches."""
     renderer, found = open_renderer(name, world, {}), {}
     try:
         for label, pose in poses().items():
@@ -98,9 +98,9 @@ def rates(world: World, name: str, pictures: int) -> dict[str, float]:
                 renderer.render(pose, camera, 0.0, {})
                 for _ in range(BATCHES):
                     began = process_time()
-                    for _ in range(pictures):
+                    for _ in range(images):
                         renderer.render(pose, camera, 0.0, {})
-                    times.append((process_time() - began) / pictures)
+                    times.append((process_time() - began) / images)
                 found[f"{label} {width}x{height}"] = 1 / median(times)
     finally:
         renderer.close()
@@ -123,9 +123,9 @@ class _Reader:
 def factor(
     world: Path, cameras: tuple[str, ...], settings: dict[str, object], frames: bool | None = None
 ) -> float:
-    """Mission time by CPU time of one flight, its first picture included.
+    """Mission time over CPU time of one flight, its first image included.
 
-    ``frames``: leave a run folder, with the frames or without them.
+    ``frames``: with a run folder, with frames in it or without; None for no run folder.
     """
     prepared = prepare(missions.find("first_flight"), str(world))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}), settings=settings)

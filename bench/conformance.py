@@ -1,9 +1,9 @@
-"""The 112 structural cases of the SCXML test framework: passed of each group, and what failed.
+"""Conformance with SCXML: the 112 structural cases of its test framework, by group.
 
 All active atomic states are compared, as a set, at the start and after every event. The cases are
 found in the folder that VENCEJO_CONFORMANCE names, or in ../shared/conformance beside the
 checkout. With ``--peers`` other engines are installed into a throw-away environment and run the
-same cases; where one has no words for what a case says, that is counted apart.
+same cases; a case that an engine cannot express is counted apart.
 
     python -m bench.conformance [--json] [--peers]
 """
@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.machine import machine
+from bench.no_host import NoHost
 from fsm import Instance
 from fsm.scxml import advance, load_document, read_document
 from vencejo.errors import UserError
@@ -40,7 +41,7 @@ def cases() -> list[str]:
 
 
 def verdict(case: str) -> str:
-    """What went wrong in a case; empty when it passed."""
+    """The error in a case; empty when it passed."""
     path = FOLDER / "scion" / f"{case}.scxml"
     expected = json.loads(path.with_suffix(".json").read_text())
     try:
@@ -60,16 +61,6 @@ def verdict(case: str) -> str:
     return wrong
 
 
-class NoHost:
-    """These documents have no behaviours."""
-
-    def begin(self, *_: Any) -> Any:
-        raise NotImplementedError
-
-    def call(self, *_: Any) -> None:
-        raise NotImplementedError
-
-
 def _difference(instance: Instance, after: str, expected: list[str]) -> str:
     active = sorted(instance.paths())
     return "" if active == sorted(expected) else f"after {after}: {active}, not {sorted(expected)}"
@@ -82,11 +73,11 @@ PEERS = (
     "xstate-statemachine==0.11.0",
 )
 CANNOT = "cannot"
-"""How a peer's answer begins that has no words for a case."""
+"""The first word of a peer's verdict on a case that it cannot express."""
 
 
 def peer_verdicts() -> dict[str, dict[str, str]]:
-    """What went wrong in each case, by engine."""
+    """The error in each case (see :func:`verdict`), by engine."""
     with tempfile.TemporaryDirectory() as folder:
         venv.create(folder, with_pip=True)
         python = str(Path(folder) / "bin" / "python")
@@ -104,7 +95,7 @@ def peer_verdicts() -> dict[str, dict[str, str]]:
 
 
 def measure(peers: bool = False) -> dict[str, Any]:
-    """Passed and failed of each group."""
+    """Counts of passed cases by group, and the failed cases."""
     found = {case: verdict(case) for case in cases()}
     if not found:
         return {"cases": 0, "machine": machine()}

@@ -1,7 +1,7 @@
 """A conformance case in a neutral form, from which other engines' charts are made.
 
-Imports nothing of ours: it is run in an environment that has the other engines only. What the few
-cases need of SCXML is read, their words of ECMAScript put into Python.
+Imports nothing of ours: it is run in an environment that has the other engines only. It reads the
+part of SCXML that the cases use, and translates their ECMAScript expressions to Python.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ STATES = ("state", "parallel", "final", "history")
 
 
 class CannotError(Exception):
-    """An engine has no words for what a case says."""
+    """An engine cannot express a case."""
 
 
 @dataclass
@@ -67,7 +67,7 @@ class Case:
 
     @property
     def by_prefix(self) -> bool:
-        """Whether an event is ever meant by a part of its name."""
+        """Whether some transition matches an event of the case by a prefix of its name."""
         heard = {name for state in self.root.all() for move in state.moves for name in move.events}
         said = {step["event"]["name"] for step in self.events}
         return any("*" in name or any(e.startswith(name + ".") for e in said) for name in heard)
@@ -152,7 +152,7 @@ def _lines(block: ElementTree.Element, pad: str = "") -> list[str]:
 
 
 def _branches(block: ElementTree.Element, pad: str) -> list[str]:
-    """An ``if`` whose branches are parted by empty elements."""
+    """The lines of an ``if``, whose branches are separated by empty elements."""
     found = [f"{pad}if {python(block.get('cond'))}:"]
     for each in block:
         if _tag(each) == "elseif":

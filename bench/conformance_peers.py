@@ -1,8 +1,8 @@
-"""The conformance cases through other engines; prints what went wrong in each as JSON.
+"""The conformance cases in other engines; prints the errors by engine and case as JSON.
 
 Run by :mod:`bench.conformance` in an environment of its own; imports nothing of ours.
-python-statemachine reads SCXML itself, the others get their own form of each case. Where an engine
-has no words for what a case says, or refuses to build it, the answer begins with ``cannot``.
+python-statemachine reads SCXML itself; for the others each case is translated. When an engine
+cannot express a case, or refuses to build it, the verdict begins with ``cannot``.
 """
 
 from __future__ import annotations
@@ -86,10 +86,10 @@ class Transitions:
             self.model.trigger(event)
 
     def start(self) -> None:
-        """It starts when it is made."""
+        """Nothing to do: the machine starts when it is constructed."""
 
     def wait(self, milliseconds: float) -> None:
-        """It has no clock."""
+        """Nothing to do: the machine has no clock."""
 
     def active(self) -> list[str]:
         return [path.split("/")[-1] for path in _flat(self.model.state)]
@@ -236,7 +236,7 @@ class XState:
         return found
 
     def run(self, lines: list[str]) -> list[Any]:
-        """A block as a list of actions; its own raising is another kind of action there."""
+        """The actions of a block; raising an event is an action of its own in this engine."""
         found: list[Any] = []
         for line in lines:
             if line.startswith(("Raise(", "Send(")):
@@ -272,7 +272,7 @@ class XState:
 
 
 def python_statemachine(path: Path) -> str:
-    """It reads SCXML, and sleeps by the wall clock: delays are waited for."""
+    """The verdict of python-statemachine, which reads SCXML and delays by the wall clock."""
     from statemachine.io.scxml.processor import SCXMLProcessor
 
     expected = json.loads(path.with_suffix(".json").read_text())
@@ -295,7 +295,7 @@ def python_statemachine(path: Path) -> str:
 
 
 def played(engine: Callable[[Case], Any]) -> Callable[[Path], str]:
-    """A case's verdict from an engine's adapter."""
+    """The function that gives the verdict of an engine, by its adapter, on the case at a path."""
 
     def verdict(path: Path) -> str:
         case = read_case(path)
@@ -371,7 +371,7 @@ def main() -> None:
                 found[name][case] = f"cannot: {error}"
             except Exception as error:  # whatever a peer does is a result
                 found[name][case] = f"{type(error).__name__}: {error}"
-    print()  # what the charts log stands before
+    print()  # ends the charts' own output
     print(json.dumps(found))
 
 

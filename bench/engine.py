@@ -1,4 +1,4 @@
-"""What the statechart engine costs, and how that grows with the size of a mission.
+"""CPU time and memory of the statechart engine, by the size of the mission.
 
     python -m bench.engine [--json]
 
@@ -61,14 +61,14 @@ def compiled(text: str, vocabulary: Vocabulary = HOST) -> Graph:
 
 
 def idle_mission() -> Graph:
-    """Twenty states, the root's included; ten conditions stand in and around the first leaf."""
+    """A mission of twenty states, root included; ten conditions are active in the first leaf."""
     targets = [f"s{n}" for n in range(1, 15)] + ["patrol"]
     rest = (f"  s{n}: {{on: {{leaf.next: {target}}}}}\n" for n, target in enumerate(targets))
     return compiled(IDLE + "".join(rest))
 
 
 def period() -> float:
-    """Microseconds of a period with nothing to do."""
+    """CPU time of an idle period, microseconds."""
     instance, now = started(idle_mission(), (VEHICLE,)), 0.0
 
     def wait() -> None:
@@ -82,7 +82,7 @@ def period() -> float:
 
 
 def memory(graph: Graph, host_values: tuple[Any, ...] = (), instances: int = 1000) -> float:
-    """Bytes of one more instance."""
+    """Memory of one more instance, bytes: the mean of some."""
     started(graph, host_values)  # what all instances share is made by the first
     gc.collect()
     tracemalloc.start()
@@ -96,7 +96,7 @@ def memory(graph: Graph, host_values: tuple[Any, ...] = (), instances: int = 100
 
 
 def side_by_side(missions: dict[int, str], event: str) -> dict[int, float]:
-    """Microseconds of an event in each mission; in turns, since the machine changes its speed."""
+    """CPU time of an event by size, µs; measured in turns, since the machine's speed varies."""
     fires: dict[int, Fire] = {size: fire(text, event) for size, text in missions.items()}
     times: dict[int, list[float]] = {size: [] for size in missions}
     for _ in range(12):
@@ -111,7 +111,7 @@ def fire(text: str, event: str) -> Fire:
 
 
 def wide(states: int) -> str:
-    """A mission of that many states, for a local event."""
+    """A mission of ``states`` states, for a local event."""
     # The root's own transition leaves every state: that takes the fewest of a file's 10,000 values,
     # which is why there are not quite 5,000.
     text = "on: {side.next: a}\nstates:\n"
@@ -120,7 +120,7 @@ def wide(states: int) -> str:
 
 
 def tower(name: str, levels: int, leaf: str, indent: int = 1) -> str:
-    """States inside each other; ``leaf`` stands in the innermost."""
+    """Nested states, ``levels`` deep; ``leaf`` is the innermost one's contents."""
     if levels == 1:
         return f"{' ' * indent}{name}: {leaf}\n"
     inner = tower(name, levels - 1, leaf, indent + 2)
@@ -128,7 +128,7 @@ def tower(name: str, levels: int, leaf: str, indent: int = 1) -> str:
 
 
 def deep(levels: int) -> str:
-    """A mission of that depth, for a local event."""
+    """A mission of ``levels`` nested states, for a local event."""
     pair = "a: {on: {leaf.next: b}}, b: {on: {leaf.next: a}}"
     if levels == 1:
         return f"states: {{{pair}}}"
@@ -136,14 +136,14 @@ def deep(levels: int) -> str:
 
 
 def crossing(levels: int) -> str:
-    """A mission whose event leaves and enters that many levels."""
+    """A mission in which an event leaves and enters ``levels`` nested states."""
     sides = (("a", "b"), ("b", "a"))
     towers = (tower(name, levels, f"{{on: {{side.next: {other}}}}}") for name, other in sides)
     return "states:\n" + "".join(towers)
 
 
 def chain_of_groups(states: int) -> str:
-    """A mission of that many states with one transition each, in groups of five."""
+    """A mission of ``states`` states with one transition each, in groups of five."""
     text = "states:\n"
     for n in range(states // 5):
         text += f"  g{n}:\n    on: {{side.next: g{(n + 1) % (states // 5)}}}\n    states:\n"
@@ -152,7 +152,7 @@ def chain_of_groups(states: int) -> str:
 
 
 def busy_states(states: int) -> str:
-    """A mission of that many states, with four expressions and three transitions in each."""
+    """A mission of ``states`` states with four expressions and three transitions each."""
     text = "data: {n: 0}\nstates:\n"
     for k in range(states):
         near, far = (k + 1) % states, (k + 2) % states
@@ -164,7 +164,7 @@ def busy_states(states: int) -> str:
 
 
 def milliseconds(work: Callable[[], Any], times: int = 9) -> float:
-    """CPU time of a long piece of work, the median of some."""
+    """CPU time of some work, milliseconds: the median of several times."""
     found = []
     for _ in range(times):
         began = process_time()

@@ -1,4 +1,4 @@
-"""`first_flight`: how fast it is flown on one core, and whether equal runs are equal bytes.
+"""`first_flight`: speed on one core, and byte-for-byte equality of equal runs.
 
     python -m bench.first_flight [--json]
 
@@ -30,7 +30,7 @@ from fsm import parse_parameters
 from hal import PERIOD
 from hal.sim.bullet import Bullet
 from hal.sim.physics import GRAVITY
-from hal.sim.vehicle import STEPS
+from hal.sim.vehicle import STEPS_PER_PERIOD
 from runner import missions
 from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
@@ -48,7 +48,7 @@ def plan(noise: float) -> Plan:
 
 
 def realtime_factors() -> tuple[list[float], list[float]]:
-    """Factors of several runs, and of the engine alone beside each."""
+    """Realtime factors of several runs, and of the engine alone before each of them."""
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     ordered = plan(noise=0.0)
     factors, engine = [], []
@@ -61,12 +61,12 @@ def realtime_factors() -> tuple[list[float], list[float]]:
 
 
 def engine_alone(periods: int = 400) -> float:
-    """The factor of pybullet with the calls a flight cannot do without."""
+    """The realtime factor of pybullet alone, with the calls that every flight makes."""
     physics = Bullet()
     body = physics.add_body(0.4, (0.01, 0.01, 0.01), (0.5, 0.5, 0.1), (0.0, 0.0, 9.0), (0, 0, 0, 1))
     began = perf_counter()
     for _ in range(periods):
-        for _ in range(STEPS):
+        for _ in range(STEPS_PER_PERIOD):
             body.push(0.4 * GRAVITY, 0.0, 0.0, 0.0)
             physics.step()
             body.state()
@@ -76,7 +76,7 @@ def engine_alone(periods: int = 400) -> float:
 
 
 def digest(factor: float | None, watched: bool) -> str:
-    """SHA-256 of the log of a run in this process, with command noise."""
+    """The SHA-256 of the event log of a run in this process, with command noise."""
     ordered = plan(noise=1.0)
     with TemporaryDirectory() as folder:
         watchers: Sequence[Watcher] = ()
@@ -88,7 +88,7 @@ def digest(factor: float | None, watched: bool) -> str:
 
 
 def digest_elsewhere() -> str:
-    """The same from another folder, in a process of its own, by the command line."""
+    """The same in another process and folder, by the command line."""
     with TemporaryDirectory() as folder:
         command = [sys.executable, "-c", "from cli.main import main; main()"]
         options = ["run", "first_flight", "--noise", "1", "--json"]

@@ -39,7 +39,7 @@ SPEED, TOLERANCE, YAW_TOLERANCE = (
 )
 SPARE_TIME, WATCHED, PAST_TARGET = 6.0, 2.0, 0.3
 LOWEST = 2.0
-"""Height above ground that no flight goes below, metres."""
+"""Lowest height of all flights, metres above ground."""
 
 MISSION = """
 mission: one_goto
@@ -59,22 +59,22 @@ GRAPH = compile_mission(read_mission_text(MISSION, "one_goto.yaml"), drone_vocab
 
 
 @dataclass(frozen=True)
-class Flown:
-    """One goto as measured."""
+class MeasuredGoto:
+    """The measurements of one goto."""
 
     length: float
     spare: float
-    """Seconds left of the time allowed."""
+    """Time left of the time allowed, seconds."""
     off: float
-    """Largest distance from the target while it was watched, metres."""
+    """Largest distance from the target after ``done``, metres."""
     yaw_off: float
-    """Largest error of the heading then, radians."""
+    """Largest error of the heading after ``done``, radians."""
     past: float
-    """Furthest past the target along the line of flight, metres."""
+    """Overshoot along the line of flight, metres; negative when the target is not reached."""
 
 
-def fly(seed: int) -> Flown:
-    """Fly the goto of a seed. The way is drawn evenly in length and in direction."""
+def fly(seed: int) -> MeasuredGoto:
+    """Fly the goto of a seed; its length and direction are uniformly distributed."""
     draw = generator(seed, "bench", "gotos")
     length, heading = draw.uniform(0.5, 40.0), draw.uniform(-pi, pi)
     around, rise = draw.uniform(-pi, pi), draw.uniform(-1.0, 1.0)
@@ -84,6 +84,7 @@ def fly(seed: int) -> Flown:
     target = Point(length * ray.x, length * ray.y, height + length * ray.z)
     with open_backend("sim", Options(seed=seed, settings={"noise": NOISE})) as session:
         (vehicle,) = session.vehicles.values()
+        session.wait()
         frame = MissionFrame(vehicle.observe().position, session.places, session.geographic)
         parameters = {"start": height, "to": target, "heading": heading}
         pilot = Pilot(GRAPH, vehicle, parameters, frame=frame, seed=seed)
@@ -91,13 +92,13 @@ def fly(seed: int) -> Flown:
             session.wait()
             pilot.period()
         seen = pilot.channel.observation
-        # Command noise has moved it a little: the way counts from where it really is.
+        # Command noise has moved the vehicle a little: measure from its true position.
         began, length = seen.time, distance(seen.position, target)
         ray = Point(*(part / length for part in target.minus(seen.position)))
         ended, off, yaw_off, past = inf, 0.0, 0.0, -length
         while pilot.outcome is None and seen.time < ended + WATCHED:
             session.wait()
-            # Taken before the pilot acts: the period in which `done` is heard counts too.
+            # Observed before the pilot acts, so that the period of `done` counts too.
             seen = vehicle.observe()
             pilot.period()
             left = target.minus(frame.from_world(seen.position))
@@ -107,12 +108,12 @@ def fly(seed: int) -> Flown:
             if ended < inf:
                 off, yaw_off = max(off, left.norm()), max(yaw_off, abs(wrap(seen.yaw - heading)))
     if ended == inf or pilot.outcome is not None:
-        return Flown(length, -inf, inf, inf, past)
-    return Flown(length, length / SPEED + SPARE_TIME - (ended - began), off, yaw_off, past)
+        return MeasuredGoto(length, -inf, inf, inf, past)
+    return MeasuredGoto(length, length / SPEED + SPARE_TIME - (ended - began), off, yaw_off, past)
 
 
 def measure(flights: int = FLIGHTS) -> dict[str, object]:
-    """All flights, as one table."""
+    """Fly all gotos; the results by name."""
     began = perf_counter()
     flown = [fly(seed) for seed in range(flights)]
     wall = perf_counter() - began

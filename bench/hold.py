@@ -1,4 +1,4 @@
-"""How well and how fast the simulator's controller flies: one table, or JSON with ``--json``.
+"""Accuracy and speed of the simulator's controller: one table, or JSON with ``--json``.
 
 python -m bench.hold [--json]
 """
@@ -19,11 +19,11 @@ from vencejo.geometry import Point, distance, wrap
 
 START = Point(0.0, 0.0, 5.0)
 ONCE = 1000.0
-"""Seconds for which a set-point stays valid that is given once."""
+"""Validity of a set-point that is given once, seconds."""
 
 
 def airborne(noise: float = 0.0, seed: int = 0) -> Session:
-    """A session whose vehicle hovers at START, settled."""
+    """A session with the vehicle hovering at START, settled."""
     session = open_session(Options(seed=seed, settings={"noise": noise}))
     vehicle = session.vehicles["drone"]
     vehicle.takeoff(START.z)
@@ -46,7 +46,7 @@ def rms(values: list[float]) -> float:
 
 
 def hold(noise: float) -> dict[str, float]:
-    """Errors of a hold of 30 s, millimetres; the worst of three seeds."""
+    """Position errors of a hold of 30 s, millimetres: the worst of three seeds with noise."""
     runs = []
     for seed in range(3 if noise else 1):
         with airborne(noise, seed) as session:
@@ -55,7 +55,7 @@ def hold(noise: float) -> dict[str, float]:
 
 
 def trapezoid(length: float, cruise: float, acceleration: float, t: float) -> tuple[float, float]:
-    """Way and speed at a time of a trapezoidal (or triangular) profile."""
+    """Distance and speed at time ``t`` of a trapezoidal (or triangular) velocity profile."""
     cruise = min(cruise, sqrt(length * acceleration))
     ramp, whole = cruise / acceleration, length / cruise + cruise / acceleration
     if t < ramp:
@@ -67,7 +67,7 @@ def trapezoid(length: float, cruise: float, acceleration: float, t: float) -> tu
 
 
 def track(direction: Point, length: float, cruise: float) -> dict[str, float]:
-    """Lag (where the set-point is, less where the vehicle is) along a moving set-point's line."""
+    """Lag of the vehicle behind a moving set-point along its line, and overshoot, mm."""
     with airborne() as session:
         vehicle, start = session.vehicles["drone"], session.vehicles["drone"].observe().time
         worst_cruise = worst = overshoot = 0.0
@@ -93,7 +93,7 @@ def track(direction: Point, length: float, cruise: float) -> dict[str, float]:
 
 
 def step(to: Point) -> dict[str, float]:
-    """A position set-point far away, without feed-forward."""
+    """The response to a position set-point far away, without feed-forward."""
     with airborne() as session:
         way = to.norm()
         session.vehicles["drone"].command(Position(START.plus(to), yaw=0.0), ONCE)
@@ -110,7 +110,7 @@ def step(to: Point) -> dict[str, float]:
 
 
 def velocity_step() -> dict[str, float]:
-    """0 → 2 m/s."""
+    """The response to a velocity set-point of 2 m/s, then to Hold."""
     with airborne() as session:
         vehicle = session.vehicles["drone"]
         begin = vehicle.observe().time
@@ -133,7 +133,7 @@ def velocity_step() -> dict[str, float]:
 
 
 def yaw_step(angle: float) -> dict[str, float]:
-    """A new heading on the spot."""
+    """The response to a heading set-point, radians."""
     with airborne() as session:
         session.vehicles["drone"].command(Position(START, yaw=angle), ONCE)
         begin = session.vehicles["drone"].observe().time

@@ -20,21 +20,12 @@ from typing import Any
 
 from bench.latency_peers import microseconds
 from bench.machine import machine
+from bench.no_host import NoHost
 from fsm import Graph, Instance, Vocabulary, compile_mission, read_mission
 
 CHART = Path(__file__).parent / "bench_chart.yaml"
 PEERS = ("transitions", "sismic", "python-statemachine", "xstate-statemachine", "py_trees")
 GOAL = 12.0
-
-
-class NoHost:
-    """The charts here fly nothing."""
-
-    def begin(self, *args: Any) -> Any:
-        raise AssertionError
-
-    def call(self, *args: Any) -> None:
-        raise AssertionError
 
 
 def started(graph: Graph, host_values: Sequence[Any] = ()) -> Instance:
@@ -44,7 +35,7 @@ def started(graph: Graph, host_values: Sequence[Any] = ()) -> Instance:
 
 
 def ours() -> list[float]:
-    """Local, crossing and internal event, microseconds."""
+    """Latency of a local, a crossing and an internal event, microseconds."""
     graph = compile_mission(read_mission(CHART), Vocabulary())
     for node in graph.nodes:
         node.add_callback("enter", lambda data: None)

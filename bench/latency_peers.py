@@ -18,7 +18,7 @@ Fires = list[Callable[[], Any]]
 
 
 def microseconds(fire: Callable[[], Any], batches: int = BATCHES) -> float:
-    """CPU time of one event, the median of batches."""
+    """CPU time of one event, microseconds: the median of batches."""
     times = []
     for _ in range(batches):
         began = process_time()
@@ -29,7 +29,7 @@ def microseconds(fire: Callable[[], Any], batches: int = BATCHES) -> float:
 
 
 def noop(*args: Any, **kwargs: Any) -> None:
-    """What a user's callback would be."""
+    """Do nothing, in place of a user's callback."""
 
 
 def transitions() -> Fires:
@@ -187,7 +187,7 @@ def xstate_statemachine() -> Fires:
 
 
 def py_trees() -> Fires:
-    """No events there: one tick of a tree of nine nodes stands for each."""
+    """The engine has no events: one tick of a tree of nine nodes stands for each."""
     import py_trees
 
     root = py_trees.composites.Sequence("root", memory=False)

@@ -1,4 +1,4 @@
-"""What a figure was measured on."""
+"""The machine and the versions that figures were measured with."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ PACKAGES = ("vencejo", "pybullet", "transitions", "numpy", "PyYAML", "click")
 
 
 def machine() -> str:
-    """Processor, cores and versions, in one line."""
+    """Describe processor, cores and versions in one line."""
     cpu = "unknown processor"
     info = Path("/proc/cpuinfo")
     if info.exists():

@@ -1,4 +1,4 @@
-"""Do the tests notice? Random lines of the packages are changed, one at a time, and tested.
+"""Mutation testing: random lines of the packages are changed, one at a time, and tested.
 
 python -m bench.mutation [--mutants 60] [--seed 0] [--jobs 2] [--only FILE:LINE] [--json]
 
@@ -42,7 +42,7 @@ from bench.mutation_plugin import Report
 
 GOAL = 0.85
 SECONDS = 105.0
-"""At most for one mutant: 60 of them take less than an hour on two cores, whatever happens."""
+"""Time limit for one mutant: 60 of them take less than an hour on two cores."""
 
 
 RESULTS = ("killed", "timeout", "survived", "uncovered", "equivalent")
@@ -61,7 +61,7 @@ class Mutant:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What a person's verdict is kept by: line numbers change too often."""
+        """Identifies the mutant in the list of equivalent ones; line numbers change too often."""
         return self.file, self.code, str(self.mutation)
 
 
@@ -96,7 +96,7 @@ def chosen(
 
 
 def equivalents(text: str) -> Mapping[tuple[str, str, str], str]:
-    """Read mutants that a person judged equivalent: key → reason.
+    """Read the list of mutants that a person judged equivalent: key → reason.
 
     Paragraphs of four lines: file, text of the code line, mutation, reason; `#` begins a comment.
     Raises ValueError for a paragraph that has another number of lines.
@@ -112,7 +112,7 @@ def equivalents(text: str) -> Mapping[tuple[str, str, str], str]:
 
 
 async def judged(mutant: Mutant, tree: Path, known: CoverageMap) -> Verdict:
-    """Test one mutant in a copy of the checkout, which is as it was afterwards."""
+    """Test one mutant in a copy of the checkout, and restore the copy."""
     tests = known.tests_of(mutant.file, mutant.mutation)
     if not tests:
         return Verdict(mutant, "uncovered", "(no test covers it)")
@@ -206,14 +206,14 @@ async def judge_all(
 
 
 def line(verdict: Verdict) -> str:
-    """One mutant for the terminal; of what no test noticed, the code line too."""
+    """A verdict for the terminal, with the code line unless the mutant was killed."""
     mutant = verdict.mutant
     text = f"  {mutant.place}: {mutant.mutation}: {verdict.result} {verdict.why}"
     return text if verdict.result in ("killed", "timeout") else f"{text}\n      {mutant.code}"
 
 
 def score(counts: Mapping[str, int]) -> float:
-    """Killed, by a failure or by the time limit, of all that are not equivalent."""
+    """The share of mutants killed, by failure or time limit, of those not equivalent."""
     judged = sum(counts.values()) - counts["equivalent"]
     return (counts["killed"] + counts["timeout"]) / judged if judged else 1.0
 
@@ -236,7 +236,7 @@ def main() -> None:
 
 
 def run(tree: Path, options: argparse.Namespace) -> None:
-    """Mutate a copy of the checkout as the command line says, and print what came of it."""
+    """Mutate a copy of the checkout by the options, and print the results."""
     by_line = mutants_by_line(modules(tree))
     if options.only:
         file, _, number = options.only.rpartition(":")
@@ -285,7 +285,7 @@ def run(tree: Path, options: argparse.Namespace) -> None:
 
 
 def described(verdict: Verdict) -> Mapping[str, str | float]:
-    """One mutant for the JSON."""
+    """A verdict for the JSON."""
     mutant = verdict.mutant
     return {
         "place": mutant.place,

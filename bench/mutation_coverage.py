@@ -1,4 +1,4 @@
-"""Which tests execute a line: one run of the quick tests, measured by coverage.py."""
+"""The tests that execute each line, by one run of the quick tests under coverage.py."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def modules(tree: Path) -> dict[str, str]:
 
 
 def environment(tree: Path) -> dict[str, str]:
-    """Variables of a process that imports from this tree and leaves its rubbish beside it."""
+    """Environment of a process that imports from a tree, with its temporary files beside it."""
     rubbish = tree.with_name(f"{tree.name}.tmp")
     rubbish.mkdir(exist_ok=True)
     return {**os.environ, "PYTHONPATH": str(tree), "TMPDIR": str(rubbish)}
@@ -87,8 +87,8 @@ class CoverageMap:
     def tests_of(self, file: str, mutation: Mutation) -> list[str]:
         """Tests that execute a mutated expression, the fastest first.
 
-        Of what is executed while modules are imported, whoever uses its values is not known:
-        all tests count that execute anything in the module, and all of its package's folder.
+        For code executed at import it is not known which tests use its values: then all tests
+        count that execute anything in the module, and all tests of its package's folder.
         """
         lines = self._contexts(file)
         mutated = range(mutation.line, mutation.end_line + 1)
@@ -115,13 +115,13 @@ def coverage_map(tree: Path, jobs: int) -> CoverageMap:
     if not cache.exists():
         with tempfile.TemporaryDirectory(prefix="vencejo-mutation-") as folder:
             found = _measured(tree, Path(folder).resolve(), jobs)
-            with suppress(OSError):  # another bench was faster
+            with suppress(OSError):  # another process made it meanwhile
                 found.rename(cache)
     return CoverageMap(cache)
 
 
 def _digest(tree: Path) -> str:
-    """Of all that the map follows from."""
+    """A digest of everything that the coverage map depends on."""
     digest = hashlib.sha256(f"{sys.version} {coverage.__version__}".encode())
     for path in sorted(path for path in tree.rglob("*") if path.is_file()):
         name = str(path.relative_to(tree))
@@ -131,7 +131,7 @@ def _digest(tree: Path) -> str:
 
 
 def _measured(tree: Path, folder: Path, jobs: int) -> Path:
-    """Run the tests of a tree and give the folder with the map, which is in `folder`."""
+    """Run the tests of a tree, and return the folder of the map, made inside `folder`."""
     raw, found = folder / "raw", folder / "map"
     raw.mkdir()
     found.mkdir()

@@ -1,9 +1,9 @@
 """The small changes that the mutation bench makes in a module, found on its syntax tree.
 
-Left alone is what no test should have to notice: docstrings, annotations, imports, `__all__` and
-other dunder names, blocks for type checkers, assertions, prose (help and hints of errors), and
-what fails wherever it is run, such as `-` between texts. Inside f-strings nothing is changed, as
-Python 3.11 gives no positions there.
+Code that no test should have to check is not changed: docstrings, annotations, imports, `__all__`
+and other dunder names, blocks for type checkers, assertions, and prose (help and hints of errors);
+nor are changes made that fail wherever they run, such as `-` between texts. Inside f-strings
+nothing is changed, as Python 3.11 gives no positions there.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Mutation:
     statement: int
     """First line of the statement or clause that it stands in."""
     at_import: bool
-    """Whether it is executed when the module is imported, rather than by a call."""
+    """True when it is executed at the import of the module, rather than by a call."""
     before: str
     after: str
     span: tuple[int, int]
@@ -127,7 +127,7 @@ def _with_default(arguments: ast.arguments) -> frozenset[str]:
     return frozenset([*(a.arg for a in last), *(a.arg for a, default in keyword if default)])
 
 
-# What a node may become.
+# The changes of each kind of node.
 
 
 def _changed(node: Any, **fields: Any) -> Any:
@@ -156,7 +156,7 @@ def _is_sequence(node: ast.expr) -> bool:
 
 
 def _is_type(node: ast.expr) -> bool:
-    """Whether a union of it is one of types, as far as its spelling tells."""
+    """Whether an operand of `|` looks like a type, so that the union is one of types."""
     if isinstance(node, ast.Constant):
         return node.value is None
     if isinstance(node, ast.Subscript):
@@ -263,7 +263,7 @@ def _conditions(node: ast.AST) -> Iterable[ast.expr]:
 
 
 def _has_opposite(node: ast.expr) -> bool:
-    """Whether its negation is among its other changes."""
+    """Whether another mutation of this condition is its negation."""
     if isinstance(node, ast.Compare):
         return len(node.ops) == 1
     return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)
@@ -281,7 +281,7 @@ class _Finder(ast.NodeVisitor):
         self.at_import = True
 
     def visit(self, node: ast.AST) -> None:
-        if _is_left_alone(node):
+        if _is_excluded(node):
             return
         around = self.statement
         if isinstance(node, ast.stmt | ast.excepthandler):
@@ -352,15 +352,16 @@ def _spliced(node: ast.AST, text: str, lines: int) -> str:
     return f"({text}{chr(10) * lines})" if isinstance(node, ast.expr) else text + "\n" * lines
 
 
-def _is_left_alone(node: ast.AST) -> bool:
+def _is_excluded(node: ast.AST) -> bool:
     match node:
-        case ast.Import() | ast.ImportFrom() | ast.Assert() | ast.JoinedStr():
-            return True
-        case ast.Expr(value=ast.Constant()):
-            return True
-        case ast.If(test=ast.Name(id="TYPE_CHECKING")):
-            return True
-        case ast.If(test=ast.Compare(left=ast.Name(id="__name__"))):
+        case (
+            ast.Import()
+            | ast.ImportFrom()
+            | ast.Assert()
+            | ast.JoinedStr()
+            | ast.Expr(value=ast.Constant())
+            | ast.If(test=ast.Name(id="TYPE_CHECKING") | ast.Compare(left=ast.Name(id="__name__")))
+        ):
             return True
         case ast.Assign(targets=[ast.Name(id=name)]):
             return name.startswith("__")

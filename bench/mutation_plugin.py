@@ -1,4 +1,4 @@
-"""A plugin of pytest for the mutation bench: which tests run in which order, and what came of it.
+"""A pytest plugin for the mutation bench: it selects and orders tests, and reports results.
 
 Measured by coverage.py, it also names the test that runs, as the context of the lines executed.
 """
@@ -24,20 +24,20 @@ TEST = "MUTATION_TEST"
 """Environment variable with the test that runs, for the processes which that test starts."""
 
 MEMORY = 4 * 2**30
-"""Bytes that the tests of one mutant may ask for: an endless loop often collects something."""
+"""Memory limit for the tests of one mutant, bytes: an endless loop often fills a list."""
 
 IMPORT_SECONDS = 60.0
-"""How long collecting the tests may take: a mutant may hang while it is imported."""
+"""Time limit for collecting the tests: a mutant may hang when it is imported."""
 
 
 class Report(TypedDict):
-    """What a run of pytest leaves, as JSON."""
+    """The results of a run of pytest, as JSON."""
 
     tests: dict[str, tuple[float, bool]]
     """Node id → seconds, whether it failed; of collectors those that failed."""
 
     running: str | None
-    """What was running when the process ended, if that came too early."""
+    """The test, or the phase of pytest, that ran when the process ended early; None otherwise."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -62,7 +62,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class _Reporter:
-    """Writes the report: at the end, and whenever something begins that may never return."""
+    """Writes the report at the end, and before every test, which may never return."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -114,8 +114,8 @@ class _Chosen:
 class _Contexts:
     """Tells coverage.py which test runs.
 
-    What is executed once for many tests would be counted for the first alone: modules are imported
-    before any test, and caches are emptied between them.
+    Code executed once for many tests would be counted for the first alone. So all modules are
+    imported before any test, and caches are emptied between tests.
     """
 
     def __init__(self, config: pytest.Config) -> None:

@@ -1,4 +1,4 @@
-"""The safety proof: how long it takes as missions grow. Goal: 2 s for 200 states.
+"""CPU time of the safety proof by the size of the mission. Goal: 2 s for 200 states.
 
 python -m bench.safety [--json]
 """
@@ -21,7 +21,7 @@ LEG = "do: goto, with: {to: home}"
 
 
 def line(states: int) -> str:
-    """Legs one after the other, each with its own handlers."""
+    """A mission of ``states`` states: a sequence of legs, each with its own handlers."""
     text = "states:\n"
     for leg in range(states - 2):
         after = f"s{leg + 1}" if leg < states - 3 else "land"
@@ -30,7 +30,7 @@ def line(states: int) -> str:
 
 
 def regions(states: int, count: int) -> str:
-    """Regions with equal shares of the states, which all lead out and all hear of the link."""
+    """A mission of parallel regions with equal shares of the states, all handling the link."""
     share = (states - 3 - count) // count
     text = "states:\n  fly:\n    type: parallel\n    on: {blocked: land}\n    states:\n"
     for region in range(count):
@@ -50,7 +50,7 @@ CASES = {
     "three regions, 120 states": (regions(120, 3), []),
     "three regions, 200 states": (regions(200, 3), ["not-proven"]),
 }
-"""Each mission with the warnings that it gets."""
+"""Name → mission and the codes of its warnings."""
 
 
 def seconds(graph: Graph, codes: list[str]) -> list[float]:

@@ -1,4 +1,4 @@
-"""What a world costs: flights among boxes, rays, loading. One table, or JSON with ``--json``.
+"""The cost of worlds: flights among boxes, rays, loading. One table, or JSON with ``--json``.
 
     python -m bench.worlds [--json]
 
@@ -29,7 +29,7 @@ from worlds import load_world
 
 ROUNDS = 9
 LANE = 8.0
-"""Metres between the boxes, which stand on a grid with a vehicle's way between them."""
+"""Spacing of the grid of boxes, metres, which leaves lanes for the vehicle."""
 MISSION = """\
 mission: lanes
 states:
@@ -60,7 +60,7 @@ def boxes(count: int) -> str:
 
 
 def flights(folder: Path) -> dict[str, float]:
-    """Times real time of a whole recorded mission between no, 20 and 100 boxes."""
+    """Realtime factors of a whole recorded mission among no, 20 and 100 boxes."""
     (folder / "lanes.yaml").write_text(MISSION)
     plans = {}
     for count in (0, 20, 100):
@@ -89,7 +89,7 @@ def flights(folder: Path) -> dict[str, float]:
 
 
 def rays(folder: Path, reach: float) -> float:
-    """Batches a second of 64 rays all round among 100 boxes."""
+    """Batches per second of 64 horizontal rays of ``reach`` metres among 100 boxes."""
     physics = Bullet()
     physics.add_things(load_world(folder / "boxes_100.yaml").things)
     ends = [(reach * cos(k * pi / 32), reach * sin(k * pi / 32), 1.5) for k in range(64)]
@@ -126,7 +126,7 @@ def large(random: Random) -> str:
 
 
 def loading(folder: Path) -> dict[str, float]:
-    """Milliseconds to read that world, and to put it up in the engine."""
+    """Time to read the large world, and to build it in the engine, milliseconds."""
     file = folder / "large.yaml"
     file.write_text(large(generator(0, "bench", "large")))
     reading, building = [], []

@@ -22,7 +22,7 @@ class Stretch:
     state: str
     """The active states; with the vehicle's name where there are several."""
     samples: Sequence[Sample]
-    """Those in that configuration, after the last one before it."""
+    """The last sample before that configuration, and those in it."""
 
 
 def stretches(run: Run) -> list[list[Stretch]]:

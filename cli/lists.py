@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from cli.look import VIEWS
-from cli.options import MissionName, Place, Word, renderer_option, shadows_option
+from cli.options import MissionName, Viewpoint, Word, renderer_option, shadows_option
 from fsm import BehaviorInfo, Parameter
 from hal.renderers import show_window
 from runner import missions as known
@@ -207,7 +207,7 @@ def _explain(behavior: BehaviorInfo) -> None:
     show_default=True,
     help="How that picture looks at it.",
 )
-@click.option("--at", type=Place(), help="From where: metres, and degrees from east.")
+@click.option("--at", type=Viewpoint(), help="From where: metres, and degrees from east.")
 @renderer_option
 @shadows_option
 @click.option("--gui", is_flag=True, help="Show it in a window.")

@@ -28,9 +28,9 @@ VIEWS = ("front", "down", "top")
 """Level and ahead from a place, straight down from it, or all of the world from above."""
 WIDTH, HEIGHT = 640, 480
 _FIELD = pi / 3
-LENS = Intrinsics.of_view(WIDTH, HEIGHT, _FIELD)
+LENS = Intrinsics.from_field_of_view(WIDTH, HEIGHT, _FIELD)
 _SMALLEST = 6.0
-"""What is looked at from outside is at least this large, metres from its middle."""
+"""Least radius of the part of a world that a picture from outside shows, metres."""
 
 
 def render(
@@ -74,7 +74,7 @@ def render(
 
 
 def _vehicles(world: World) -> tuple[dict[str, Thing], dict[str, Pose]]:
-    """What stands at the starts of a world, with its standard lights: appearances and poses."""
+    """Appearances and poses of vehicles at the starts of a world, with their standard lights."""
     appearances, poses = dict[str, Thing](), dict[str, Pose]()
     for number, start in enumerate(world.starts):
         name = f"start {number}"

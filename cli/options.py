@@ -104,14 +104,14 @@ def assignments(
 
 @dataclass(frozen=True)
 class LimitSettings:
-    """What ``--limit`` said: a profile of the vehicle, and limits that go over it."""
+    """The values of ``--limit``: a profile of the vehicle, and limits that override it."""
 
     profile: str | None
     limits: Limits
 
 
 def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> LimitSettings:
-    """``name=quantity`` or the name of a profile, of a repeated option."""
+    """Read the repeated option ``--limit``: ``name=quantity``, or the name of a profile."""
     profile, found = None, dict[str, float]()
     for value in values:
         name, equals, text = value.partition("=")
@@ -161,7 +161,7 @@ def cameras(
     return found
 
 
-class Place(click.ParamType):  # type: ignore[type-arg]
+class Viewpoint(click.ParamType):  # type: ignore[type-arg]
     """``x,y,z`` or ``x,y,z,yaw``: metres of the world frame, and degrees from east."""
 
     name = "x,y,z[,yaw]"

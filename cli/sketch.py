@@ -8,7 +8,7 @@ _DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 MIN_SPAN = 6.0
 """The map never shows less than this, metres: standing still is not zoomed in on."""
 
-Place = tuple[float, float]
+XY = tuple[float, float]
 
 
 class Sketch:
@@ -17,25 +17,25 @@ class Sketch:
     def __init__(self, columns: int, rows: int) -> None:
         self.columns = columns
         self.rows = rows
-        self.path: list[Place] = []
+        self.path: list[XY] = []
         self._low = [0.0, 0.0]
         self._high = [0.0, 0.0]
 
-    def add(self, place: Place) -> None:
+    def add(self, place: XY) -> None:
         """Go on to a place; one within a few centimetres of the last is left out."""
         if self.path and max(abs(place[i] - self.path[-1][i]) for i in (0, 1)) < 0.05:
             return
         self.path.append(place)
         self.include([place])
 
-    def include(self, places: Iterable[Place]) -> None:
+    def include(self, places: Iterable[XY]) -> None:
         """Make the map large enough for these places too."""
         for place in places:
             for axis in (0, 1):
                 self._low[axis] = min(self._low[axis], place[axis])
                 self._high[axis] = max(self._high[axis], place[axis])
 
-    def draw(self, marks: Mapping[str, Sequence[Place]]) -> list[str]:
+    def draw(self, marks: Mapping[str, Sequence[XY]]) -> list[str]:
         """Lines of text; ``marks`` are letters to set at places, the last one on top."""
         width, height = self.columns * 2 - 1, self.rows * 4 - 1
         span = max(
@@ -46,7 +46,7 @@ class Sketch:
         scale = width / span
         middle = [(self._low[axis] + self._high[axis]) / 2 for axis in (0, 1)]
 
-        def dot(place: Place) -> tuple[int, int]:
+        def dot(place: XY) -> tuple[int, int]:
             x = round(width / 2 + (place[0] - middle[0]) * scale)
             y = round(height / 2 - (place[1] - middle[1]) * scale)
             return min(max(x, 0), width), min(max(y, 0), height)

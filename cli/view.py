@@ -24,8 +24,6 @@ from vencejo.geometry import Point
 REFRESH = 0.1
 """Seconds of wall time between two pictures of the live view."""
 MAX_TREE_LINES = 18
-NOTED = ("log", "error", "reaction", "landing")
-"""Records that a person wants to read, besides the states."""
 
 
 def clock(seconds: float) -> str:

@@ -69,7 +69,7 @@ class Function:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Everything a graph may name that is not its own."""
+    """Everything of its host that a graph may name."""
 
     behaviors: Mapping[str, BehaviorInfo] = field(default_factory=dict)
     names: Mapping[str, Type] = field(default_factory=dict)

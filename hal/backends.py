@@ -18,7 +18,7 @@ def backend_names() -> list[str]:
 
 
 def backend_capabilities(name: str) -> frozenset[str]:
-    """The capabilities of a backend's vehicles: ``CAPABILITIES`` of its module; opens nothing.
+    """The capabilities of a backend's vehicles, by ``CAPABILITIES`` of its module; opens nothing.
 
     Raises UserError (``unknown-backend``, ``unknown-capabilities``).
     """

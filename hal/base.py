@@ -1,4 +1,4 @@
-"""What the backends have in common: orders, the validity of set-points, and what is not there."""
+"""Base classes for backends: orders, the validity of set-points, and refusal of what is missing."""
 
 from __future__ import annotations
 
@@ -37,37 +37,37 @@ _NEEDED: Mapping[type[Setpoint], str] = MappingProxyType(
 )
 """The capability that each kind of set-point needs; every vehicle can hold."""
 Decide = Callable[..., Decision]
-"""Carries out a verb, of its arguments, as far as that can be done at once."""
+"""Decides on a verb, given its arguments, and begins to carry it out."""
 
 
 class BaseVehicle:
     """A vehicle to inherit from (see :class:`hal.vehicle.Vehicle`, and docs/backends.md).
 
-    Verbs and set-points are taken down, and carried out by :meth:`begin_period` within ``wait()``.
-    A verb without a decision, and cameras, sensors and vision poses unless a subclass offers them,
-    raise Unavailable.
+    Verbs and set-points are queued, and carried out by :meth:`begin_period` within ``wait()``.
+    A verb without a decision raises Unavailable; so do cameras, sensors and vision poses unless a
+    subclass provides them.
     """
 
     capabilities: frozenset[str] = frozenset()
     profiles: Mapping[str, Limits] = MappingProxyType({})
 
     def __init__(self, name: str, decisions: Mapping[str, Decide]) -> None:
-        """``decisions``: what carries out each verb that the vehicle has."""
+        """``decisions``: the function that decides on each verb that the vehicle has."""
         self.orders = Orders()
         self._name = name
         self._decisions = decisions
         self._given: tuple[Setpoint, float] | None = None
         """The set-point given since the last period, and the seconds for which it is valid."""
         self._expires = inf
-        """When the set-point that is flown is not valid any more."""
+        """Time at which the set-point being flown expires, session's clock."""
         self._seen: Observation | None = None
         self._now = 0.0
-        """When the last period ended, seconds of the session's clock."""
+        """Time at the end of the last period, seconds of the session's clock."""
 
-    # What a subclass says of itself.
+    # Methods for subclasses to override.
 
     def refusal(self) -> str:
-        """Why it cannot fly a set-point now; empty when it can."""
+        """The reason why the vehicle cannot fly a set-point now; empty when it can."""
         return ""
 
     def fly(self, setpoint: Setpoint) -> None:
@@ -77,13 +77,15 @@ class BaseVehicle:
     # The mission period.
 
     def advance(self, now: float) -> None:
-        """Live through the mission period that ends at ``now``: ``begin_period``, whatever moves
-        it, ``end_period``. For vehicles of a BaseSession.
+        """Simulate the mission period that ends at ``now``, seconds of the session's clock.
+
+        It calls ``begin_period``, moves the vehicle, and calls ``end_period``. Only vehicles of a
+        BaseSession need it.
         """
         raise NotImplementedError
 
     def begin_period(self, heard: bool = True) -> None:
-        """Carry out what it was told since the last period.
+        """Carry out the set-point and the orders given since the last period.
 
         Where nothing was ``heard`` of that, its set-point is lost, and the validity of the last one
         runs out.
@@ -122,7 +124,7 @@ class BaseVehicle:
         return self._expires - self._now
 
     def end_period(self, seen: Observation) -> None:
-        """What is known at the end of a period; orders that took too long are lost."""
+        """End a mission period with its observation; orders that took too long are lost."""
         self._seen, self._now = seen, seen.time
         if self.orders.sent or self.orders.under_way:
             self.orders.expire(seen.time)
@@ -209,8 +211,9 @@ V = TypeVar("V", bound=BaseVehicle)
 
 
 class BaseSession(Generic[V]):
-    """A session to inherit from (see :class:`hal.vehicle.Session`): it advances its vehicles by
-    one mission period with each ``wait``, as a simulator does.
+    """A session to inherit from (see :class:`hal.vehicle.Session`).
+
+    Each ``wait`` advances its vehicles by one mission period, as a simulator does.
     """
 
     engine = "none"
@@ -220,7 +223,7 @@ class BaseSession(Generic[V]):
     def __init__(self, vehicles: Iterable[V]) -> None:
         self.vehicles: Mapping[str, V] = MappingProxyType({each.name: each for each in vehicles})
         self.periods = 0
-        """Mission periods so far."""
+        """Number of mission periods so far."""
 
     def wait(self) -> float:
         """See the contract."""

@@ -43,7 +43,7 @@ _GRAVITY = 9.81
 
 
 class FakeVehicle(BaseVehicle):
-    """One vehicle that does as it is told (see :class:`hal.vehicle.Vehicle`)."""
+    """One vehicle that follows its commands exactly (see :class:`hal.vehicle.Vehicle`)."""
 
     profiles = MappingProxyType(
         {"indoor": Limits(max_speed=1.0, max_altitude=2.5), "outdoor": Limits(max_altitude=100.0)}
@@ -65,11 +65,11 @@ class FakeVehicle(BaseVehicle):
             },
         )
         self.commands: list[Setpoint] = []
-        """Every set-point it was given, also those it refused."""
+        """All set-points that it was given, refused ones included."""
         self.verbs: list[str] = []
-        """Every verb it was given."""
+        """All verbs that it was given."""
         self.shown: list[Lights] = []
-        """Every pattern its lamps were told to show."""
+        """All patterns that its lamps were ordered to show."""
         self.capabilities = frozenset(
             {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
             | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
@@ -77,24 +77,24 @@ class FakeVehicle(BaseVehicle):
         self.position = at
         self.yaw = yaw
         self.battery = 1.0
-        """0 to 1; it stays as it is set. At 0 the motors stop."""
+        """Charge, 0 to 1; it does not drain. At 0 the motors stop."""
         self.health: tuple[str, ...] = ()
-        """Why it refuses to arm."""
+        """Reasons for which it refuses to arm."""
         self.silent = False
-        """Nothing is heard of it, and it hears nothing."""
+        """True to cut the link in both directions."""
         self.gone = False
-        """The link to it is closed."""
+        """True to close the link for good."""
         self.link_age = 0.0
         """Seconds since it was last heard; grows while it is silent."""
         self.authority: Authority = "mission"
-        """Who commands it; it refuses set-points while that is not the mission."""
+        """The authority over it; it refuses set-points unless that is the mission."""
         self.authority_reason = ""
         self.wind = _STILL
-        """Carries it along in the air, m/s."""
+        """Velocity that the wind adds to the vehicle's, world frame, m/s."""
         self.stuck = False
-        """It does not get anywhere, whatever it is told."""
+        """True to let it stay in its place whatever it is commanded."""
         self.refuse_next: str | None = None
-        """Why the next verb is refused; used up by it."""
+        """Reason for which the next verb, and only that one, is refused."""
         self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
         self.limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
         """By the names they have in :class:`hal.limits.Limits`."""
@@ -112,15 +112,16 @@ class FakeVehicle(BaseVehicle):
         self._target = _STILL
         self._setpoint: Setpoint = Hold()
 
-    # What may happen to it.
+    # Events for a test to cause.
 
     def tell(self, name: str, **fields: Any) -> None:
-        """Let it post an event with its next observation."""
+        """Post an event of the vehicle with its next observation."""
         self._events.append(VehicleEvent(name, fields))
 
     def jump(self, shift: Point) -> None:
-        """Let the origin of its world frame jump: everything is ``shift`` away from where it was
-        said to be, though nothing has moved.
+        """Let the origin of its world frame jump, as an estimator's reset does.
+
+        All its coordinates change by ``shift`` metres, though nothing has moved.
         """
         self._epoch += 1
         self._shift = self._shift.plus(shift)
@@ -134,7 +135,7 @@ class FakeVehicle(BaseVehicle):
     def _is_aloft(self) -> bool:
         return self.position.z > self._ground
 
-    # What carries out each verb, at the beginning of the next period.
+    # The decision on each verb, made at the beginning of the next period.
 
     def send(self, verb: str, *arguments: Any) -> Order:
         self.verbs.append(verb)
@@ -244,7 +245,7 @@ class FakeVehicle(BaseVehicle):
     # Time.
 
     def advance(self, now: float, step: float = PERIOD) -> None:
-        """Live through the mission period of ``step`` seconds that ends at ``now``."""
+        """Simulate the mission period of ``step`` seconds that ends at ``now``."""
         deaf = self.silent or self.gone
         self.begin_period(heard=not deaf)
         self._time = now
@@ -314,7 +315,7 @@ class FakeVehicle(BaseVehicle):
         return self.position
 
     def _tilted(self, setpoint: Attitude, step: float) -> Point:
-        """It speeds up as its tilt makes it, without drag."""
+        """The position after ``step`` seconds by tilt: g·tan(tilt) accelerates it, without drag."""
         limits, share = self.limits, setpoint.unit == "share"
         most = limits["max_tilt"]
         roll, pitch = (
@@ -333,7 +334,7 @@ class FakeVehicle(BaseVehicle):
         self.yaw = wrap(self.yaw + self._turning * step)
 
     def _towards(self, place: Point, step: float) -> Point:
-        """The next position on the way to a place, within the limits."""
+        """The position after ``step`` seconds on the way to a place, within the limits."""
         limits = self.limits
         x, y, z = place.minus(self.position)
         if self._mode == "flying":
@@ -345,7 +346,7 @@ class FakeVehicle(BaseVehicle):
         return self.position.plus((x * share, y * share, max(-most_up, min(most_up, z))))
 
     def _reach(self) -> None:
-        """Enter the next mode where the present one has got to its end."""
+        """Enter the next mode if the present one is completed."""
         if self._mode == "taking-off" and abs(self.position.z - self._target.z) < 1e-6:
             self.orders.end()
             self._mode, self._setpoint = "flying", Hold()
@@ -371,10 +372,10 @@ class FakeSession(BaseSession[FakeVehicle]):
         )
         self.places = MappingProxyType(dict(places or {}))
         self.late = 0.0
-        """Seconds by which the next period comes late; used up by it."""
+        """Seconds by which the next period, and only that one, is late."""
         self._options = options or Options()
         self._lateness = 0.0
-        """Seconds by which all periods so far came late."""
+        """Sum of the delays of all periods so far, seconds."""
 
     def wait(self) -> float:
         """See the contract. Raises VehicleError for a vehicle that is silent from the start."""

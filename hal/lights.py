@@ -1,4 +1,4 @@
-"""A vehicle's lamps: patterns, and what each lamp shows at a moment.
+"""A vehicle's lamps: patterns, and the colour of each lamp over time.
 
 A vehicle has four lamps, in the order front left, front right, rear right, rear left. The patterns
 are those of the AR.Drone's LED animations that need one colour.
@@ -24,20 +24,20 @@ COLORS: dict[str, Rgb] = {
 }
 PATTERNS: tuple[str, ...] = get_args(Pattern)
 STANDARD: tuple[Rgb, ...] = (COLORS["green"], COLORS["green"], COLORS["red"], COLORS["red"])
-"""Green in front and red behind, so that one sees which way it looks."""
+"""Green in front and red behind, so that a person can see the heading."""
 _OFF: Rgb = (0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
 class Lights:
-    """What the lamps are to show. Raises UserError (``bad-lights``) for what they cannot."""
+    """A pattern for the lamps to show. Raises UserError (``bad-lights``) for an impossible one."""
 
     pattern: Pattern = "standard"
     color: str = "white"
     rate: float = 1.0
-    """Times a second that the pattern repeats."""
+    """Repetitions of the pattern per second, Hz."""
     duration: float | None = None
-    """Seconds until the standard lights come back; None to stay."""
+    """Seconds until the standard pattern returns; None for never."""
 
     def __post_init__(self) -> None:
         for what, word, known in (
@@ -53,7 +53,7 @@ class Lights:
             raise UserError("bad-lights", f"lights cannot last {self.duration:g} s")
 
     def lamps(self, elapsed: float) -> tuple[Rgb, ...]:
-        """The colours of the four lamps, RGB, ``elapsed`` seconds after they were set."""
+        """The RGB colours of the four lamps, ``elapsed`` seconds after the pattern was ordered."""
         if self.pattern == "standard" or (self.duration is not None and elapsed >= self.duration):
             return STANDARD
         color = COLORS[self.color]

@@ -1,4 +1,4 @@
-"""Limits of flight: what a vehicle keeps to, whatever it is commanded."""
+"""Limits of flight, which a vehicle keeps whatever it is commanded."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from vencejo.units import ANGLE, LENGTH, SPEED, TURN_RATE, Dimension
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Settings that can be changed in flight; None leaves a limit as it is.
+    """Limits to set, also in flight; None leaves a limit as it is.
 
     Altitudes are heights of the world frame here, and stay where they are when its origin jumps;
     missions and the command line count them above home (see :meth:`raised`).
@@ -27,12 +27,12 @@ class Limits:
     max_yaw_rate: float | None = None
     """rad/s."""
     min_altitude: float | None = None
-    """Metres. Set-points do not lead below it; take-off, landing and return do."""
+    """Metres. It binds set-points, but not take-off, landing and return."""
     max_altitude: float | None = None
     """Metres."""
 
     def given(self) -> dict[str, float]:
-        """Those to change, by name. Raises UserError (``bad-limit``)."""
+        """The limits to change, by name. Raises UserError (``bad-limit``) for impossible ones."""
         found = {name: value for name in DIMENSIONS if (value := getattr(self, name)) is not None}
         for name, value in found.items():
             if not isfinite(value) or (value <= 0 and DIMENSIONS[name] != LENGTH):
@@ -44,7 +44,7 @@ class Limits:
         return found
 
     def raised(self, height: float) -> Limits:
-        """The same limits with altitudes counted from ``height`` metres further below."""
+        """The same limits with altitudes raised by ``height``, metres, such as home's height."""
         low, high = self.min_altitude, self.max_altitude
         return replace(
             self,
@@ -53,7 +53,7 @@ class Limits:
         )
 
     def over(self, others: Limits) -> Limits:
-        """These limits, and what they leave open from ``others``."""
+        """These limits, completed by those of ``others`` that are None here."""
         return replace(others, **{name: getattr(self, name) for name in self.given()})
 
 

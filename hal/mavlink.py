@@ -1,4 +1,4 @@
-"""PX4 and ArduPilot over MAVLink: the name is taken, the flying is not there yet."""
+"""The backend for PX4 and ArduPilot over MAVLink: not implemented yet."""
 
 from __future__ import annotations
 

@@ -1,15 +1,15 @@
-"""Orders: what a vehicle was told by a verb, and what became of it.
+"""Orders: verbs sent to a vehicle, and the state of each.
 
 An order changes only inside the session's ``wait()``::
 
     sent ──► accepted ──► done
-      │          ├──────► refused   the vehicle says no, or another order or a set-point ended it
-      │          └──────► lost      nothing was heard of it in time
-      ├──► done                     what is already so
+      │          ├──────► refused   by the vehicle, or ended by another order or a set-point
+      │          └──────► lost      not done in time
+      ├──► done                     it was so already
       ├──► refused
       └──► lost
 
-:class:`Orders` keeps that rule for backends; :class:`hal.base.BaseVehicle` joins it to the verbs.
+:class:`Orders` keeps this rule for backends; :class:`hal.base.BaseVehicle` connects it to verbs.
 """
 
 from __future__ import annotations
@@ -52,18 +52,18 @@ class Order:
     arguments: tuple[Any, ...] = ()
     state: OrderState = "sent"
     reason: str = ""
-    """Why it was refused or lost, in the autopilot's words where there are some."""
+    """The reason for a refusal or loss, in the autopilot's words if it gives any."""
     sent_at: float | None = None
-    """Session's time of the first period that knew of it, seconds; kept by the backend."""
+    """End of the first period after it was sent, session's clock, seconds; set by the backend."""
 
     @property
     def ended(self) -> bool:
-        """Whether it will change no more."""
+        """True when the state is final."""
         return self.state in ("done", "refused", "lost")
 
 
 class Decision(NamedTuple):
-    """What a vehicle does about an order."""
+    """A vehicle's answer to an order."""
 
     state: Literal["accepted", "done", "refused"]
     reason: str = ""
@@ -73,12 +73,12 @@ UNDER_WAY, DONE = Decision("accepted"), Decision("done")
 
 
 def refused(reason: str) -> Decision:
-    """The decision not to do it."""
+    """The decision to refuse an order."""
     return Decision("refused", reason)
 
 
 class Orders:
-    """The orders of one vehicle: sent ones wait here for the backend to decide in ``wait()``."""
+    """The orders of one vehicle: those sent, on which the backend decides, and those under way."""
 
     def __init__(self) -> None:
         self.sent: list[Order] = []

@@ -1,8 +1,8 @@
 """Renderers by name: each is an entry point ``vencejo.renderers`` that opens a world.
 
-A renderer turns a world and a camera's pose into an image. Its entry point names what is called as
-``(world, vehicles, shadows)`` and returns a :class:`Renderer`; none is imported before an image is
-wanted.
+A renderer turns a world and a camera's pose into an image. Its entry point names a callable that
+takes ``(world, vehicles, shadows)`` and returns a :class:`Renderer`. A renderer is imported when
+its first image is rendered.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from hal.vehicle import Intrinsics
 from vencejo.errors import UserError, nearest
 from vencejo.geometry import Pose
 from vencejo.plugins import plugins
-from worlds.model import World
 from worlds.things import Thing
+from worlds.world import World
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,15 +32,15 @@ class Renderer(Protocol):
     def render(
         self, pose: Pose, intrinsics: Intrinsics, time: float, vehicles: Mapping[str, Pose]
     ) -> NDArray[np.uint8]:
-        """A BGR image (height, width, 3) of a pinhole camera; distortion is left out.
+        """A BGR image (height, width, 3) of a pinhole camera; distortion is ignored.
 
         ``pose`` is the camera's: its optical axes (x right, y down, z out) to world. Moving things
-        stand where they are ``time`` seconds after the run began. Of the vehicles that the renderer
-        was opened with, those with a pose (body to world) are seen.
+        are shown at ``time``, seconds since the run began. Of the vehicles that the renderer was
+        opened with, those with a pose (body to world) are shown.
         """
 
     def close(self) -> None:
-        """Give its memory back."""
+        """Release its memory."""
 
 
 def renderer_names() -> list[str]:
@@ -60,16 +60,16 @@ def open_renderer(
 ) -> Renderer:
     """Open a renderer on a world.
 
-    ``vehicles``: the appearance of each, by its name. ``shadows``: what stands on the ground
-    darkens it. Raises UserError for a name that is none (``unknown-renderer``), a texture that
-    cannot be read, or a renderer that does not run on this machine.
+    ``vehicles``: the appearance of each, by its name. ``shadows``: things cast shadows on the
+    ground. Raises UserError for an unknown name (``unknown-renderer``), a texture that cannot be
+    read, or a renderer that does not run on this machine.
     """
     renderer: Renderer = plugins(GROUP)[check_renderer(name)].load()(world, vehicles, shadows)
     return renderer
 
 
 def show_window(world: World) -> None:
-    """Show a world in a window until that is closed. Raises UserError without a display."""
+    """Show a world in a window until it is closed. Raises UserError without a display."""
     module, _, attribute = _WINDOW.partition(":")
     show: Any = getattr(import_module(module), attribute)
     show(world)

@@ -1,4 +1,4 @@
-"""The contract of a vehicle: what it reports and what it can be told.
+"""The contract of a vehicle: its observations, set-points, orders and sensors.
 
 Every backend (simulator, MAVLink, a test's fake) offers exactly this; docs/backends.md tells how
 to write one. Positions and velocities are ENU metres about the *world* origin (the world file's
@@ -21,7 +21,7 @@ from hal.orders import Order
 from vencejo.geometry import Point, Quaternion
 
 if TYPE_CHECKING:
-    # Only pictures need it, and it takes longer to import than all of ours.
+    # Only images need it, and it takes longer to import than all of our packages.
     import numpy as np
     from numpy.typing import NDArray
 
@@ -32,12 +32,12 @@ VALIDITY = 0.2
 """Seconds for which a set-point is flown unless it is given anew; then the backend holds."""
 
 Link = Literal["alive", "old", "lost", "gone"]
-"""Of a link: heard just now; silent for OLD_AFTER; for LOST_AFTER; closed, and not coming back."""
+"""State of a link: the vehicle is heard; silent for OLD_AFTER; for LOST_AFTER; closed for good."""
 OLD_AFTER, LOST_AFTER = 1.0, 3.0
 """Seconds of silence."""
 Authority = Literal["operator", "mission", "autopilot", "none"]
-"""Whose commands the vehicle follows: a person's (at a remote control or ground station), ours, the
-autopilot's own (a failsafe), or nobody's (its motors are stopped for good)."""
+"""The commands that a vehicle follows: those of a person (at a remote control or ground station),
+of the mission, of the autopilot itself (a failsafe), or none (its motors are stopped for good)."""
 
 
 def link_of(age: float, gone: bool = False) -> Link:
@@ -48,14 +48,14 @@ def link_of(age: float, gone: bool = False) -> Link:
 
 
 class VehicleEvent(NamedTuple):
-    """Something a vehicle tells by itself: ``operator.takeover``, ``vehicle.collision``, …"""
+    """An event that a vehicle reports: ``operator.takeover``, ``vehicle.collision``, …"""
 
     name: str
     fields: Mapping[str, Any] = {}
 
 
 class Observation(NamedTuple):
-    """What is known of a vehicle at one moment; never changes once given."""
+    """The state of a vehicle at the end of a mission period; immutable."""
 
     time: float
     """Seconds of the session's clock, which never goes back and never stands still."""
@@ -78,22 +78,22 @@ class Observation(NamedTuple):
     """``landed``, ``taking-off``, ``flying``, ``landing``, ``returning``, ``stopped``, or the
     autopilot's own word."""
     home: Point
-    """Where the vehicle returns to, world frame."""
+    """The place to which the vehicle returns, world frame."""
     health: tuple[str, ...] = ()
-    """What keeps it from flying, in plain words; empty when all is well."""
+    """Problems that keep it from flying, in plain words; empty for none."""
     link_age: float = 0.0
-    """Seconds since the vehicle was last heard; all else is as it was then."""
+    """Seconds since the vehicle was last heard; the other fields are as of then."""
     link: Link = "alive"
     authority: Authority = "mission"
     authority_reason: str = ""
-    """Why it is not the mission's, in the autopilot's words where there are some."""
+    """The reason why the mission has no authority, in the autopilot's words if it gives any."""
     epoch: int = 0
     """Counts the jumps of the world frame's origin (the estimator was reset)."""
     origin_shift: Point = Point(0.0, 0.0, 0.0)
-    """Where what stood at the origin of epoch 0 is now, world frame."""
+    """The present position of the origin of epoch 0, world frame, metres."""
     events: tuple[VehicleEvent, ...] = ()
-    """What the vehicle told in this period, for instance ``vehicle.collision`` for each thing it
-    has begun to touch beside what carries it."""
+    """The events of this period, for instance ``vehicle.collision`` for each thing that it begins
+    to touch, except the one that it stands on."""
 
 
 class Velocity(NamedTuple):
@@ -108,10 +108,10 @@ class Velocity(NamedTuple):
 
 
 class Position(NamedTuple):
-    """Be at a place (world frame), moving at ``velocity`` when there (feed-forward).
+    """Fly to a place (world frame), and be there at ``velocity``, m/s (feed-forward).
 
-    One that moves is sent anew every period; one that is left standing needs no velocity.
-    ``yaw`` asks for a heading, else ``yaw_rate`` turns; with neither the heading stays.
+    A moving position is sent anew every period; a fixed one needs no velocity. ``yaw`` (radians)
+    asks for a heading, otherwise ``yaw_rate`` (rad/s) turns; with neither the heading stays.
     """
 
     xyz: Point
@@ -134,8 +134,8 @@ class Attitude(NamedTuple):
     """Nose down; flies forward."""
     climb: float = 0.0
     thrust: float | None = None
-    """Share (0 to 1) of the largest thrust, instead of ``climb``; no limit of altitude holds then.
-    """
+    """Share (0 to 1) of the largest thrust, instead of ``climb``; the limits of altitude do not
+    apply then."""
     yaw_rate: float = 0.0
     """Counter-clockwise."""
     unit: Literal["si", "share"] = "si"
@@ -143,7 +143,7 @@ class Attitude(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Stop, and stay where that happens."""
+    """Stop, and hold the position where the vehicle comes to rest."""
 
 
 Setpoint = Velocity | Position | Attitude | Hold
@@ -169,7 +169,7 @@ def is_finite(setpoint: Setpoint) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a vehicle says at once to a set-point or to limits: accepted, or refused and why."""
+    """The immediate answer to a set-point or to limits: accepted, or refused with a reason."""
 
     accepted: bool = True
     reason: str = ""
@@ -192,12 +192,12 @@ class Intrinsics:
     """OpenCV's k1, k2, p1, p2, k3; empty for none."""
 
     @classmethod
-    def of_view(
+    def from_field_of_view(
         cls, width: int, height: int, field_of_view: float, distortion: tuple[float, ...] = ()
     ) -> Intrinsics:
-        """Of a horizontal field of view, radians.
+        """The camera with a horizontal ``field_of_view``, radians.
 
-        Pixels are square, and the optical axis meets the middle of the picture.
+        Pixels are square, and the optical axis meets the image in its centre.
         """
         focal = width / 2 / tan(field_of_view / 2)
         return cls(width, height, focal, focal, (width - 1) / 2, (height - 1) / 2, distortion)
@@ -205,26 +205,26 @@ class Intrinsics:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One picture and what is needed to measure in it."""
+    """One camera image, with the time, intrinsics and pose that measuring in it needs."""
 
     image: NDArray[np.uint8]
     """BGR, (height, width, 3)."""
     sequence: int
     time: float
-    """When it was taken, seconds of the vehicle's clock."""
+    """Capture time, seconds of the vehicle's clock."""
     intrinsics: Intrinsics
     position: Point
-    """Of the camera, world frame."""
+    """Position of the camera, world frame, metres."""
     attitude: Quaternion
     """Camera optical frame (x right, y down, z out) to world."""
 
 
 @runtime_checkable
 class Camera(Protocol):
-    """A source of pictures."""
+    """A source of camera images."""
 
     def latest(self) -> Frame | None:
-        """The newest picture; None before the first."""
+        """The newest frame; None before the first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,14 +245,14 @@ class Sensor(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class VisionPose:
-    """A pose measured from pictures, world frame, for the autopilot's estimator."""
+    """A pose measured in images, world frame, for the autopilot's estimator."""
 
     position: Point
     attitude: Quaternion
     covariance: Sequence[float]
     """Upper triangle of the 6 × 6 matrix (x y z roll pitch yaw), row by row: 21 numbers."""
     captured_at: float
-    """When the picture was taken, seconds of the vehicle's clock."""
+    """Capture time of the image, seconds of the vehicle's clock."""
 
 
 class Unavailable(LookupError):
@@ -261,8 +261,10 @@ class Unavailable(LookupError):
 
 @runtime_checkable
 class Vehicle(Protocol):
-    """One vehicle. Verbs are idempotent: what is under way is that order again, and what is so
-    already is ``done`` after the next ``wait()``. A verb that it cannot do raises Unavailable.
+    """One vehicle.
+
+    Verbs are idempotent: a verb under way gives the same order again, and one that changes nothing
+    is ``done`` after the next ``wait()``. A verb that the vehicle does not have raises Unavailable.
     """
 
     @property
@@ -283,7 +285,7 @@ class Vehicle(Protocol):
         """
 
     def arm(self) -> Order:
-        """Start the motors. Refused while ``health`` says why not."""
+        """Start the motors. Refused while ``health`` names a problem."""
 
     def disarm(self) -> Order:
         """Stop the motors. Refused in the air."""
@@ -298,7 +300,7 @@ class Vehicle(Protocol):
         """Descend here and disarm; done on the ground with the motors off."""
 
     def return_home(self) -> Order:
-        """Fly home by the vehicle's own means and land there."""
+        """Fly home in the vehicle's own return mode and land there."""
 
     def emergency_stop(self) -> Order:
         """Stop the motors at once, wherever it is."""
@@ -313,7 +315,7 @@ class Vehicle(Protocol):
         """Show a pattern on the vehicle's lamps."""
 
     def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
-        """Fly this set-point from the next period on; the last one of a period counts.
+        """Fly a set-point from the next period on; the last one of a period counts.
 
         It ends a take-off, a landing or a return under way. After ``valid_for`` seconds without a
         new one the vehicle holds, whoever hangs: counted by the session's clock in a simulator, by
@@ -329,12 +331,12 @@ class Vehicle(Protocol):
         """A sensor by name. Raises Unavailable."""
 
     def send_vision_pose(self, pose: VisionPose) -> None:
-        """Hand a measured pose to the estimator. Raises Unavailable."""
+        """Give a measured pose to the estimator. Raises Unavailable."""
 
     def configure(self, limits: Limits) -> Answer:
-        """Change limits in flight, all of those given or none; refused with the reason.
+        """Change limits, also in flight: all of those given or, when refused, none.
 
-        Raises UserError (``bad-limit``) for numbers that are no limits.
+        Raises UserError (``bad-limit``) for impossible limits.
         """
 
 
@@ -346,7 +348,7 @@ class Session(Protocol):
 
     @property
     def engine(self) -> str:
-        """What moves the vehicles, with its version: ``pybullet 3.2.7``."""
+        """The name and version of the physics engine or autopilot link: ``pybullet 3.2.7``."""
 
     @property
     def places(self) -> Mapping[str, Point]:
@@ -354,10 +356,10 @@ class Session(Protocol):
 
     @property
     def geographic(self) -> tuple[float, float, float] | None:
-        """Latitude, longitude (degrees) and altitude (m) of the world frame's zero, if known."""
+        """Latitude, longitude (degrees) and altitude (m) of the world frame's origin, if known."""
 
     def wait(self) -> float:
-        """Advance to the next mission period; the step that made, seconds.
+        """Advance to the next mission period, and return the step made, seconds.
 
         A simulator steps its physics and always makes one PERIOD; a real link waits, and where
         nothing is heard its clock goes on by the wall clock. The first call waits for the vehicles
@@ -374,15 +376,15 @@ class Session(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What a backend is opened with."""
+    """The options with which a backend is opened."""
 
     vehicles: tuple[str, ...] = ("drone",)
     world: str | None = None
     """Name or path of a world file; None for the backend's default."""
     seed: int = 0
     address: str | None = None
-    """Where a real vehicle is reached; the simulator has none."""
+    """The address of a real vehicle; None for the simulator."""
     connect_timeout: float = 10.0
     """Seconds within which every vehicle must have been heard."""
     settings: Mapping[str, object] = field(default_factory=dict)
-    """What only one backend knows, for instance the simulator's ``noise``."""
+    """Settings of one backend only, for instance the simulator's ``noise``."""

@@ -12,7 +12,7 @@ from vencejo.units import FREQUENCY, RATIO, TIME
 from worlds.values import ANGLE_VALUE, PLACE, Field, Value, array, count, names, quantity, record
 
 Cameras = Mapping[str, Mapping[str, Any] | None]
-"""By name, what differs from the camera that is there; None for no such camera."""
+"""Name of a camera → settings that differ from its defaults; None to remove it."""
 _DISTORTION = array("a distortion is [k1, k2, p1, p2, k3]", quantity(RATIO), 4, 5)
 
 

@@ -10,7 +10,7 @@ from runner.appended_file import AppendedFile, encode, writing
 from runner.run_folder import FRAMES, frame_fields, frame_file, frames_header
 
 QUALITY = 90
-"""Of the JPEGs, from 0 to 100: the files are a quarter smaller than at OpenCV's own 95."""
+"""Quality of the JPEGs, 0 to 100: files are a quarter smaller than at OpenCV's default of 95."""
 _HINT = "make room, fly with --no-frames, or choose another --runs-dir"
 
 
@@ -21,7 +21,7 @@ class FrameFiles:
         self._folder = folder
         self._lines: AppendedFile | None = None
         self._last: dict[tuple[str, str], tuple[int, Intrinsics]] = {}
-        """Number and intrinsics of what was written last, by vehicle and camera."""
+        """Sequence number and intrinsics of the last frame written, by vehicle and camera."""
 
     def write(self, vehicle: str, camera: str, frame: Frame) -> None:
         """Keep a frame, world frame. Raises UserError (``cannot-record``)."""

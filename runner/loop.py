@@ -39,23 +39,23 @@ class Assignment:
 
 @dataclass(frozen=True)
 class Plan:
-    """A run as ordered: which vehicles fly what, all in one world.
+    """The plan of a run: the missions of its vehicles, all in one world.
 
     Raises ValueError for no vehicle, and for missions that were prepared for different worlds.
     """
 
     assignments: Mapping[str, Assignment]
-    """By the vehicle's name, in the order in which the vehicles stand and take their turns."""
+    """Name of a vehicle → its mission, in the order of the start places and of each period."""
     backend: str = "sim"
     seed: int = 0
     settings: Mapping[str, object] = field(default_factory=dict)
-    """What only that backend knows."""
+    """Settings of that backend only, such as the simulator's ``noise``."""
     address: str | None = None
-    """Where a real vehicle is reached."""
+    """Address of a real vehicle; None for the simulator."""
     profile: str | None = None
-    """Limits of flight by a name that the vehicles know, as ``indoor``."""
+    """Named limits of flight of the vehicles, such as ``indoor``."""
     limits: Limits = field(default_factory=Limits)
-    """Limits of flight that go over the profile's, altitudes above home."""
+    """Limits of flight that override the profile's, altitudes above home."""
 
     def __post_init__(self) -> None:
         worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}
@@ -90,7 +90,7 @@ class Plan:
 
 
 class Watcher(Protocol):
-    """Sees every period of every vehicle, in the order of the plan.
+    """Called in every period for every vehicle, in the order of the plan.
 
     Looks through ``pilot.vehicle``: what is read through ``pilot.channel`` counts as read by the
     mission and is recorded.
@@ -100,7 +100,7 @@ class Watcher(Protocol):
 
 
 class Stops(Protocol):
-    """Requests to stop: the first asks the missions, the second lands past them."""
+    """Requests to stop: the first asks the missions, the second lands outside them."""
 
     @property
     def count(self) -> int: ...
@@ -108,20 +108,20 @@ class Stops(Protocol):
 
 @dataclass
 class _Craft:
-    """One vehicle of a run, with the figures that grow with its flight."""
+    """One vehicle of a run, with the figures of its flight so far."""
 
     pilot: Pilot
     start: float
-    """When the run began, seconds of the session's clock."""
+    """Time at which the run began, seconds of the session's clock."""
     distance: float = 0.0
     max_altitude: float = 0.0
     failure: VehicleError | None = None
-    """Why it could not be brought down."""
+    """The error because of which it could not be landed; None for none."""
     _last: Point | None = None
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing left to do for it."""
+        """True once it has landed after its mission, or cannot be landed."""
         return self.failure is not None or self.pilot.finished
 
     def period(self, dt: float) -> None:
@@ -164,7 +164,7 @@ class _Log:
     def __init__(self, recorder: Recorder | None) -> None:
         self._recorder = recorder
         self.failure: UserError | None = None
-        """What keeps it from being written."""
+        """The error that stopped the writing; None for none."""
 
     def begin(self, header: Header, crafts: Iterable[_Craft]) -> None:
         if self._recorder is not None:
@@ -285,7 +285,7 @@ def _craft(plan: Plan, session: Session, name: str, dt: float) -> _Craft:
 
 
 def _stop(crafts: Iterable[_Craft], *, at_once: bool) -> None:
-    """Ask every mission to stop, or land past them."""
+    """Ask every mission to stop, or land outside them."""
     for craft in crafts:
         craft.pilot.land_now() if at_once else craft.pilot.abort()
 

@@ -36,7 +36,7 @@ class Prepared:
     world_word: str
     """The name or path by which a backend finds that world."""
     files: tuple[Path, ...]
-    """Everything the flight depends on that a person wrote, the mission first."""
+    """The files that the flight depends on, the mission's first."""
 
 
 def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Prepared:

@@ -16,7 +16,7 @@ class ReadingFile:
         self._folder = folder
         self._lines: AppendedFile | None = None
         self._last: dict[tuple[str, str], float] = {}
-        """When the reading written last was taken, by vehicle and sensor."""
+        """Time of the last reading written, by vehicle and sensor."""
 
     def write(self, vehicle: str, sensor: str, reading: Reading) -> None:
         """Keep a reading. Raises UserError (``cannot-record``)."""

@@ -35,7 +35,7 @@ from vencejo.errors import UserError, Where
 from worlds import World
 
 _ROWS_AT_ONCE = 40
-"""Rows of telemetry written together: what a killed run may lose is one second."""
+"""Rows of telemetry written together: a killed run may lose one second of them."""
 
 
 def new_folder(parent: Path, stamp: str, mission: str) -> Path:
@@ -58,24 +58,24 @@ def new_folder(parent: Path, stamp: str, mission: str) -> Path:
 
 
 class Recorder:
-    """Appends what happens to the files of one run folder.
+    """Appends records, telemetry and frames to the files of one run folder.
 
     What cannot be written raises UserError (``cannot-record``).
     """
 
     def __init__(self, folder: Path, *, frames: bool = True) -> None:
-        """``frames``: whether the pictures that were read are kept."""
+        """``frames``: whether the camera frames that were read are kept."""
         self.folder = folder
         self._sequence = 0
         self._rows: list[tuple[Observation, str, Sequence[str]]] = []
         self._states: dict[str, Sequence[str]] = {}
         """Paths of the active leaf states, by vehicle."""
         self._frames = FrameFiles(folder) if frames else None
-        self._read: list[tuple[str, str, Frame]] = []
-        """Vehicle, camera and frame of what was read since it was last written."""
+        self._unwritten_frames: list[tuple[str, str, Frame]] = []
+        """Vehicle, camera and frame of every frame read but not yet written."""
         self._readings = ReadingFile(folder)
-        self._measured: list[tuple[str, str, Reading]] = []
-        """Vehicle, sensor and reading of what was read since it was last written."""
+        self._unwritten_readings: list[tuple[str, str, Reading]] = []
+        """Vehicle, sensor and reading of every reading read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
 
@@ -102,17 +102,17 @@ class Recorder:
         self._telemetry.append([TELEMETRY_COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
-        """Keep the frames and readings that the behaviours of this pilot will read."""
+        """Record the frames and readings that the behaviours of this pilot read."""
         if self._frames is not None:
-            pilot.channel.looked = partial(self._look, pilot.vehicle.name)
-        pilot.channel.measured = partial(self._measure, pilot.vehicle.name)
+            pilot.channel.on_frame = partial(self._keep_frame, pilot.vehicle.name)
+        pilot.channel.on_reading = partial(self._keep_reading, pilot.vehicle.name)
 
-    def _look(self, vehicle: str, camera: str, frame: Frame) -> None:
-        # Written after the period: a full disk is no failure of the behaviour that looked.
-        self._read.append((vehicle, camera, frame))
+    def _keep_frame(self, vehicle: str, camera: str, frame: Frame) -> None:
+        # Written after the period: a full disk is no failure of the behaviour that reads a frame.
+        self._unwritten_frames.append((vehicle, camera, frame))
 
-    def _measure(self, vehicle: str, sensor: str, reading: Reading) -> None:
-        self._measured.append((vehicle, sensor, reading))
+    def _keep_reading(self, vehicle: str, sensor: str, reading: Reading) -> None:
+        self._unwritten_readings.append((vehicle, sensor, reading))
 
     def take(self, pilot: Pilot) -> list[Record]:
         """Write one period of a pilot: its records, now empty, and a row of telemetry."""
@@ -123,9 +123,9 @@ class Recorder:
         self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
         if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
-        if self._read:
+        if self._unwritten_frames:
             self._write_frames()
-        if self._measured:
+        if self._unwritten_readings:
             self._write_readings()
         return records
 
@@ -150,13 +150,13 @@ class Recorder:
         self._telemetry.append([telemetry_row(*row) for row in rows])
 
     def _write_frames(self) -> None:
-        read, self._read = self._read, []
+        read, self._unwritten_frames = self._unwritten_frames, []
         if self._frames is not None:
             for frame in read:
                 self._frames.write(*frame)
 
     def _write_readings(self) -> None:
-        measured, self._measured = self._measured, []
+        measured, self._unwritten_readings = self._unwritten_readings, []
         for reading in measured:
             self._readings.write(*reading)
 

@@ -33,7 +33,7 @@ ALONE = "drone"
 """The name of a vehicle that flies alone: its run's header and summary need not name it."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, INTERRUPTED = 0, 1, 3, 130
 """Exit codes of runs that have flown."""
-Line = TypeVar("Line")
+RawLine = TypeVar("RawLine")
 Read = TypeVar("Read")
 
 
@@ -43,7 +43,7 @@ class MissionFacts:
 
     name: str
     sha256: str
-    """Of the mission's own file, hexadecimal."""
+    """SHA-256 of the mission's own file, hexadecimal."""
     parameters: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
     """SHA-256 of the files that the mission includes and uses, by path from its folder."""
@@ -51,7 +51,7 @@ class MissionFacts:
 
 @dataclass(frozen=True)
 class Header:
-    """Everything that decides how a run goes."""
+    """Everything that determines the course of a run."""
 
     missions: Mapping[str, MissionFacts]
     """By the name of the vehicle that flies it."""
@@ -60,9 +60,9 @@ class Header:
     seed: int
     backend: str
     engine: str
-    """What moves the vehicles, with its version."""
+    """Name and version of the physics engine or autopilot link."""
     vencejo: str
-    """The version that flew it."""
+    """Version of vencejo that flew it."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class LogEntry:
 
 
 class Sample(NamedTuple):
-    """One row of ``telemetry.csv``: where a vehicle was at the end of a mission period."""
+    """One row of ``telemetry.csv``: a vehicle's state at the end of a mission period."""
 
     time: float
     """Seconds of the vehicle's clock."""
@@ -100,7 +100,7 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordedFrame:
-    """A picture that a behaviour has read, and what is needed to measure in it."""
+    """A camera frame that a behaviour read, with the time, intrinsics and pose of its image."""
 
     path: Path
     """The JPEG."""
@@ -108,9 +108,9 @@ class RecordedFrame:
     camera: str
     sequence: int
     time: float
-    """When it was taken, seconds of the vehicle's clock."""
+    """Capture time, seconds of the vehicle's clock."""
     position: Point
-    """Of the camera, world frame, metres."""
+    """Position of the camera, world frame, metres."""
     attitude: Quaternion
     """Camera optical frame (x right, y down, z out) to world, (x, y, z, w)."""
     intrinsics: Intrinsics
@@ -127,11 +127,11 @@ class RecordedReading:
 
 @dataclass(frozen=True)
 class Flown:
-    """How the flight of one vehicle ended."""
+    """The result of the flight of one vehicle."""
 
     outcome: str
     reason: str
-    """Why the mission was ended from outside; empty when it ended by itself."""
+    """The reason why the mission was ended from outside; empty when it ended by itself."""
     output: Mapping[str, Any]
     """The fields that the mission's final state gave."""
     mission_time: float
@@ -143,12 +143,12 @@ class Flown:
     battery: float
     """Charge left, 0 to 1."""
     failure: str = ""
-    """What became of a vehicle that could not be brought down; empty when it was."""
+    """The reason why the vehicle could not be landed; empty when it was."""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """How a run ended, and what it depended on."""
+    """The results of a run, with everything that they depend on."""
 
     header: Header
     vehicles: Mapping[str, Flown]
@@ -156,9 +156,9 @@ class Summary:
     wall_time: float
     """Seconds from the first step to the last byte of events and telemetry."""
     interrupted: bool
-    """Whether somebody asked it to stop."""
+    """True when the run was asked to stop."""
     versions: Mapping[str, str]
-    """Of what the result may depend on, by package."""
+    """Versions of the packages that the result may depend on, and of Python."""
 
     @property
     def alone(self) -> Flown:
@@ -194,13 +194,13 @@ class Run:
     telemetry: Mapping[str, tuple[Sample, ...]]
     """By vehicle, in the order of time: one sample each mission period (25 ms)."""
     frames: tuple[RecordedFrame, ...]
-    """In the order in which they were read."""
+    """Frames of cameras, in the order in which they were read."""
     readings: tuple[RecordedReading, ...]
-    """Of sensors, in the order in which they were read."""
+    """Readings of sensors, in the order in which they were read."""
     summary: Summary | None
-    """None of a run that did not end."""
+    """None for a run that has not ended."""
     missing: tuple[str, ...]
-    """What is not there or cut off, in plain words: of a run that was killed or still flies."""
+    """Descriptions of missing or truncated parts, if the run was killed or still flies."""
 
 
 def header_fields(header: Header) -> dict[str, Any]:
@@ -347,7 +347,7 @@ _SUMMARY_ORDER = (
     *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
     *("versions", "run_folder"),
 )
-"""For people: how it ended comes first."""
+"""Order of the keys for a person to read: the results come first."""
 
 
 def _flown_fields(flown: Flown) -> dict[str, Any]:
@@ -410,7 +410,7 @@ def _cut(path: Path) -> str:
 
 
 def _each(
-    path: Path, lines: Iterable[Line], read: Callable[[Line], Read], first: int = 2
+    path: Path, lines: Iterable[RawLine], read: Callable[[RawLine], Read], first: int = 2
 ) -> list[Read]:
     """All lines read; ``first`` is the number of the first. Raises UserError with the place."""
     found: list[Read] = []

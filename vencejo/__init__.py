@@ -1,4 +1,4 @@
-"""The ground that every package of Vencejo stands on."""
+"""The common ground of all packages: errors, units, geometry, YAML with positions, seeds."""
 
 from vencejo.errors import Fault, UserError, VehicleError, Where
 from vencejo.geometry import Point, distance, wrap

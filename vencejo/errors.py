@@ -1,7 +1,8 @@
-"""Faults: what is wrong, where, and what to do about it.
+"""Faults: each names a problem, its place in a file, and a remedy.
 
-A mistake of the person who uses the tool is a :class:`UserError`; the command line prints its
-faults and never a traceback. Everything else that is raised is a mistake of ours.
+A mistake of the user raises :class:`UserError`; the command line prints its faults without a
+traceback. A failure of the vehicle or its link raises :class:`VehicleError`. Any other exception is
+a defect of the program.
 """
 
 from __future__ import annotations
@@ -26,13 +27,13 @@ class Where:
         return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
 
     def right(self, columns: int) -> Where:
-        """The place some columns further on in the same line."""
+        """The place ``columns`` further to the right in the same line."""
         return Where(self.file, self.line, self.column + columns)
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One thing that is wrong: a stable code, a sentence, a place and the way out."""
+    """One problem: a stable code, a sentence, and if known its place and a hint to the remedy."""
 
     code: str
     message: str
@@ -47,7 +48,7 @@ class Fault:
 
 
 class UserError(Exception):
-    """One or more faults in what a person wrote. Ends a command with ``exit_code``."""
+    """One or more mistakes of the user. A command that raises it ends with ``exit_code``."""
 
     exit_code = 2
 
@@ -59,7 +60,7 @@ class UserError(Exception):
 
     @classmethod
     def of(cls, faults: Iterable[Fault]) -> Self:
-        """One error that carries several faults."""
+        """One error with several faults; there must be one at least."""
         faults = tuple(faults)
         first = faults[0]
         error = cls(first.code, first.message, first.where, first.hint)
@@ -75,13 +76,16 @@ class UserError(Exception):
 
 
 class VehicleError(UserError):
-    """The vehicle, its simulator or the link to it failed: no fault of the mission."""
+    """The vehicle, its simulator or the link to it failed."""
 
     exit_code = 3
 
 
 def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> str | None:
-    """A hint that names the known word most like ``word``, or else lists the few there are."""
+    """A hint: the known word most similar to ``word``, or else ``otherwise``, or else a list.
+
+    None when no word is known and there is no ``otherwise``.
+    """
     options = sorted(set(known))
     close = get_close_matches(word, options, n=1, cutoff=0.6)
     if close:

@@ -1,4 +1,4 @@
-"""Files that a person's file names."""
+"""Paths of files that are named in a user's file."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from vencejo.nodes import Scalar
 
 
 def file_inside(folder: Path, word: Scalar, what: str) -> Path:
-    """The file that a word names, which must lie in ``folder``; it need not be there.
+    """The resolved path of a file named by ``word``, inside ``folder``; it need not exist.
 
-    ``what`` it is, for the hint. Raises UserError.
+    ``what`` describes the file in the hint. Raises UserError (``no-such-file`` for an impossible
+    name, ``outside-folder``).
     """
     try:
         path, around = (folder / word.text).resolve(), folder.resolve()

@@ -13,7 +13,7 @@ EARTH_RADIUS = 6_378_137.0
 
 
 class Point(NamedTuple):
-    """A place or a vector of three metres (or metres per second)."""
+    """A place or vector with three coordinates, in metres or metres per second."""
 
     x: float
     y: float
@@ -30,7 +30,7 @@ class Point(NamedTuple):
 
 
 Pose = tuple[Point, Quaternion]
-"""A place and an attitude: where a frame is, and the rotation from it to the outer frame."""
+"""The origin of a frame in an outer frame, and the rotation from the frame to the outer one."""
 
 distance = dist
 """Straight-line distance between two points, metres."""
@@ -42,7 +42,7 @@ def bearing(a: tuple[float, float, float], b: tuple[float, float, float]) -> flo
 
 
 def wrap(angle: float) -> float:
-    """The same angle in (−π, π]."""
+    """The equivalent angle in (−π, π], radians."""
     if -pi < angle <= pi:
         return angle
     turned = angle % (2 * pi)
@@ -63,26 +63,26 @@ def roll_pitch_of(q: Quaternion) -> tuple[float, float]:
 
 
 def yaw_quaternion(yaw: float) -> Quaternion:
-    """The rotation of a level body that heads towards ``yaw``."""
+    """The attitude of a level body with heading ``yaw``, radians."""
     return (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
 
 
 def about_x(angle: float) -> Quaternion:
-    """The rotation about the x axis."""
+    """The rotation about the x axis by ``angle``, radians."""
     return (sin(angle / 2), 0.0, 0.0, cos(angle / 2))
 
 
 OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
-"""Optical axes (x right, y down, z out) of a camera that looks along x, with z up."""
+"""The rotation from optical axes (x right, y down, z out) to body axes, for a camera along x."""
 
 
 def about_y(angle: float) -> Quaternion:
-    """The rotation about the y axis."""
+    """The rotation about the y axis by ``angle``, radians."""
     return (0.0, sin(angle / 2), 0.0, cos(angle / 2))
 
 
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """The rotation by ``b`` followed by the one by ``a``."""
+    """The rotation ``b`` followed by the rotation ``a`` (the Hamilton product a·b)."""
     ax, ay, az, aw = a
     bx, by, bz, bw = b
     return (
@@ -94,7 +94,7 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def turned(vector: tuple[float, float, float], q: Quaternion) -> Point:
-    """A vector of a body of that attitude, in the frame the attitude is given in."""
+    """Rotate a vector by a quaternion, as from body axes to the frame of the body's attitude."""
     (a, b, c), (x, y, z, w) = vector, q
     # v + 2·w·(q × v) + 2·q × (q × v)
     p, r, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
@@ -102,13 +102,13 @@ def turned(vector: tuple[float, float, float], q: Quaternion) -> Point:
 
 
 def rotate_xy(x: float, y: float, yaw: float) -> tuple[float, float]:
-    """A heading-frame vector (forward, left) turned into (east, north)."""
+    """Rotate a vector (forward, left) of the heading frame to (east, north)."""
     c, s = cos(yaw), sin(yaw)
     return x * c - y * s, x * s + y * c
 
 
 def enu_of(lat: float, lon: float, origin_lat: float, origin_lon: float) -> tuple[float, float]:
-    """East and north of a place from an origin, metres; latitudes and longitudes in degrees.
+    """East and north of a place from an origin, metres. Latitudes and longitudes are in degrees.
 
     Equirectangular projection on a sphere of the equatorial radius, as ArduPilot's
     ``Location::get_distance_NE``; a few centimetres off at one kilometre.

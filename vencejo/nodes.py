@@ -1,4 +1,4 @@
-"""YAML as people write it: nodes that know their place.
+"""YAML nodes with the line and column of every value and key.
 
 A file becomes a tree of :class:`Scalar`, :class:`Sequence` and :class:`Mapping`, built from
 libyaml's events in one pass without recursion. Nothing is converted here: a scalar keeps its text
@@ -21,14 +21,14 @@ from vencejo.errors import UserError, Where
 MAX_BYTES = 1 << 20
 MAX_NODES = 10_000
 MAX_DEPTH = 200
-"""Collections inside collections; 64 states deep need two each, and some for what is in them."""
+"""Nested collections: 64 nested states need two each, and their contents some more."""
 
 _PARSER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A text as written; ``plain`` when it stood without quotes."""
+    """A scalar's text as written; ``plain`` when it has no quotes."""
 
     text: str
     where: Where
@@ -68,7 +68,7 @@ YamlNode = Scalar | Sequence | Mapping
 
 
 def kind(node: YamlNode) -> str:
-    """What a node is, in a person's words."""
+    """Describe a node for an error message: ``a map``, ``a list``, ``nothing`` or its text."""
     if isinstance(node, Mapping):
         return "a map"
     if isinstance(node, Sequence):
@@ -77,12 +77,15 @@ def kind(node: YamlNode) -> str:
 
 
 def read_file(path: Path, shown_as: str | None = None) -> Mapping:
-    """The map a YAML file consists of. Raises UserError for whatever keeps it from being one."""
+    """The map that a YAML file consists of; ``shown_as`` replaces the path in errors.
+
+    Raises UserError for a file that cannot be read or is no YAML map.
+    """
     name = shown_as or str(path)
     place = Where(name)
     try:
         with path.open("rb") as file:
-            # What is no plain file may have no end.
+            # A device or pipe may have no end.
             data = file.read(MAX_BYTES + 1)
         if len(data) > MAX_BYTES:
             raise UserError("too-large", "the file is larger than 1 MiB", place)
@@ -103,7 +106,10 @@ def read_file(path: Path, shown_as: str | None = None) -> Mapping:
 
 
 def read_text(text: str, file: str) -> Mapping:
-    """The map a YAML text consists of. Raises UserError (see :func:`read_file`)."""
+    """The map that a YAML text consists of; ``file`` is its name in errors.
+
+    Raises UserError (see :func:`read_file`).
+    """
     try:
         size = len(text.encode())
     except UnicodeEncodeError as error:
@@ -123,7 +129,7 @@ def read_text(text: str, file: str) -> Mapping:
 
 @dataclass(slots=True)
 class _Open:
-    """A collection whose end has not been seen."""
+    """A collection whose end has not been read yet."""
 
     node: Sequence | Mapping
     anchor: str | None
@@ -255,7 +261,7 @@ class _Builder:
 
 
 def _merged(node: YamlNode) -> list[tuple[Scalar, YamlNode]]:
-    """The entries that ``<<`` brings in; of several maps the earlier one wins."""
+    """The entries that ``<<`` merges; of several maps the earlier one takes precedence."""
     sources = node.items if isinstance(node, Sequence) else [node]
     entries: list[tuple[Scalar, YamlNode]] = []
     names: set[str] = set()
@@ -270,7 +276,7 @@ def _merged(node: YamlNode) -> list[tuple[Scalar, YamlNode]]:
 
 
 def _syntax_error(error: yaml.MarkedYAMLError, file: str, text: str) -> UserError:
-    """The parser's complaint with a hint that names the cure, where the cause can be told."""
+    """The error of the YAML parser, with a hint to the remedy where the cause is known."""
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line, mark.column) if mark else (0, 0)
     lines = text.splitlines()

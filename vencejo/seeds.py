@@ -1,4 +1,4 @@
-"""Named random generators: every draw of a run comes from its seed and a name."""
+"""Named random generators: every random draw of a run depends on its seed and a name."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from random import Random
 
 
 def generator(seed: int, *names: str) -> Random:
-    """The generator of that name in a run of that seed; equal arguments give equal draws.
+    """The random generator of a name in a run with a seed; equal arguments give equal draws.
 
-    Independent of every other name, so that a draw added in one place moves none elsewhere.
+    Generators of different names are independent: more draws from one change no other.
     """
     key = "\x1f".join((str(seed), *names))
     return Random(int.from_bytes(sha256(key.encode()).digest()[:16], "big"))

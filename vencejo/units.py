@@ -1,8 +1,8 @@
-"""Quantities: numbers that carry a unit, and the dimension that a place asks for.
+"""Quantities: numbers with units, and the dimensions that values must have.
 
-Everything inside is SI and radians. A dimension counts powers of metre, second and radian; the
+Values are converted to SI units and radians. A dimension counts powers of the base units; the
 ratio (``30 %``) is the dimension of zero powers, and a *bare* number, one written without a unit,
-has no dimension (``None``) and fits every place.
+has no dimension (``None``) and fits every one.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ _UNIT_WORD = re.compile(r"[a-zA-Z%°µ]")
 
 
 def parse_number(text: str) -> int | float | None:
-    """A bare decimal number (``4``, ``-0.5``, ``1e-3``), or None when the text is none."""
+    """The number of a text such as ``4``, ``-0.5`` or ``1e-3``; None for any other text."""
     if not _NUMBER.fullmatch(text):
         return None
     # Python refuses to read an integer of thousands of digits.
@@ -131,7 +131,7 @@ def parse_number(text: str) -> int | float | None:
 
 
 def parse_quantity(text: str) -> tuple[float, Dimension] | None:
-    """The SI value and dimension of ``"12 s"``, or None when the text is no known quantity."""
+    """The SI value and dimension of a text such as ``12 s``; None when it is no known quantity."""
     match = _QUANTITY.fullmatch(text)
     if not match or match[2] not in UNITS:
         return None
@@ -139,14 +139,14 @@ def parse_quantity(text: str) -> tuple[float, Dimension] | None:
 
 
 def in_unit(value: float, unit: str) -> float:
-    """The SI value of a number of units; whole divisors keep ``10 cm`` at exactly 0.1."""
+    """The SI value of ``value`` units; dividing by whole numbers makes ``10 cm`` exactly 0.1."""
     size = UNITS[unit][0]
     inverse = round(1 / size) if size < 1 else 0
     return value / inverse if inverse and abs(inverse * size - 1) < 1e-12 else value * size
 
 
 def read_quantity(text: str, dimension: Dimension, where: Where | None = None) -> float:
-    """The SI value of a text in a place that asks for ``dimension``.
+    """The SI value of a text that must be a quantity of ``dimension``, or a bare number.
 
     Raises UserError (``wrong-type``, ``unknown-unit``, ``wrong-dimension``).
     """
@@ -178,7 +178,7 @@ def read_quantity(text: str, dimension: Dimension, where: Where | None = None) -
 
 
 def format_quantity(value: float, dimension: Dimension | None) -> str:
-    """A value with the unit people know it by: ``1.5 m/s``, ``90 deg``, ``30 %``."""
+    """Format an SI value with a common unit: ``1.5 m/s``, ``90 deg``, ``30 %``."""
     if dimension is None:
         return f"{value:g}"
     if dimension == RATIO:

@@ -2,9 +2,9 @@
 
 from worlds.catalog import find_world, world_families, world_names
 from worlds.loader import load_world
-from worlds.model import Ground, Light, Origin, Road, Start, World
 from worlds.motion import pose_at
 from worlds.things import Color, Thing
+from worlds.world import Ground, Light, Origin, Road, Start, World
 
 __all__ = [
     "Color",

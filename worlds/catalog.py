@@ -8,7 +8,7 @@ from pathlib import Path
 from vencejo.errors import UserError, Where, nearest
 from worlds.generators import FAMILIES, generate
 from worlds.loader import load_world, read_world
-from worlds.model import World
+from worlds.world import World
 
 _FOLDER = Path(__file__).parent / "files"
 

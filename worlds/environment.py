@@ -9,7 +9,6 @@ from vencejo.nodes import Sequence, YamlNode
 from vencejo.units import ANGLE, LENGTH
 from worlds.assets import IMAGE
 from worlds.colors import COLORS
-from worlds.model import Ground, Light, Origin
 from worlds.terrain import TERRAIN
 from worlds.things import Color, Image, Terrain
 from worlds.values import (
@@ -26,6 +25,7 @@ from worlds.values import (
     quantity,
     record,
 )
+from worlds.world import Ground, Light, Origin
 
 ORIGIN = record(
     "an origin",

@@ -17,11 +17,11 @@ from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
 from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.kinds import BEACON, KINDS
-from worlds.model import Start, World
 from worlds.solids import START_CLEARANCE, thing_near, top_of
 from worlds.terrain import height_at
 from worlds.things import Terrain, Thing
-from worlds.values import PLACE, SHARE, TEXT, Field, Names, Spot, names, read_fields
+from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
+from worlds.world import Start, World
 
 FIELDS: Mapping[str, Field] = MappingProxyType(
     {
@@ -32,10 +32,10 @@ FIELDS: Mapping[str, Field] = MappingProxyType(
         "light": LIGHT,
         "start": Field(STARTS, None),
         "battery": Field(SHARE, 1.0),
-        "roads": Field(names("roads", roads.ROAD), Names()),
-        **{kind: Field(names(kind, value), Names()) for kind, value in KINDS.items()},
-        "beacons": Field(names("beacons", BEACON), Names()),
-        "places": Field(names("places", PLACE), Names()),
+        "roads": Field(names("roads", roads.ROAD), NamedEntries()),
+        **{kind: Field(names(kind, value), NamedEntries()) for kind, value in KINDS.items()},
+        "beacons": Field(names("beacons", BEACON), NamedEntries()),
+        "places": Field(names("places", PLACE), NamedEntries()),
     }
 )
 """The keys of a world file."""
@@ -71,7 +71,7 @@ def _files(node: YamlNode) -> Iterator[Path]:
 
 def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]) -> World:
     keys, faults = read_fields(root, "a world", FIELDS)
-    named = {key: keys.get(key, Names()) for key in NAMED}
+    named = {key: keys.get(key, NamedEntries()) for key in NAMED}
     for key in NAMED:
         faults.extend(named[key].faults)
     faults.extend(_repeated(named))
@@ -119,7 +119,7 @@ def _digest(contents: list[bytes]) -> str:
     return sha256(b"".join(contents)).hexdigest()
 
 
-def _repeated(named: Mapping[str, Names[Any]]) -> Iterator[Fault]:
+def _repeated(named: Mapping[str, NamedEntries[Any]]) -> Iterator[Fault]:
     """Faults for names that stand for two things, and for places that are beacons already."""
     first: dict[str, tuple[str, Where]] = {}
     keys = [(key, kind) for kind in NAMED for key, _ in named[kind].entries if kind != "places"]

@@ -30,8 +30,8 @@ DICTIONARIES: Mapping[str, tuple[int, int]] = MappingProxyType(
         "APRILTAG_36h11": (587, 8),
     }
 )
-"""By OpenCV's name without DICT_: the number of ids, which begin at 0, and the modules along a side
-of the black square (its bits and the black border)."""
+"""OpenCV's name without DICT_ → the number of ids, from 0 on, and the modules along a side of the
+black square (its bits and the black border)."""
 
 
 def plate_side(dictionary: str, size: float) -> float:

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 from worlds import curves
 from worlds.colors import COLORS
-from worlds.model import Road
 from worlds.things import Color, Stripe
 from worlds.values import (
     COLOR,
@@ -22,6 +21,7 @@ from worlds.values import (
     array,
     record,
 )
+from worlds.world import Road
 
 XY = tuple[float, float]
 

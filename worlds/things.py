@@ -108,7 +108,7 @@ class Part:
     attitude: Quaternion
     color: Color
     texture: Texture | None = None
-    """On every face of a cuboid or on a plate; other shapes have none."""
+    """Image on every face of a cuboid or on a plate; other shapes have none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,13 +119,13 @@ class Motion:
     """
 
     points: tuple[Point, ...]
-    """Of the thing's origin."""
+    """Path of the thing's origin, world frame, metres."""
     speed: float
     """m/s."""
     loop: bool
-    """Whether the path is closed; otherwise the thing turns back at both ends."""
+    """True for a closed path; otherwise the thing turns back at both ends."""
     turns: bool
-    """Whether its heading follows the path."""
+    """True when its heading follows the path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +139,7 @@ class Thing:
     attitude: Quaternion
     parts: tuple[Part, ...]
     solid: bool = True
-    """Whether vehicles collide with it; plates never do."""
+    """True when vehicles collide with it; with plates they never do."""
     motion: Motion | None = None
 
 

@@ -84,20 +84,6 @@ def _color(node: YamlNode) -> Color:
     return (values[0], values[1], values[2])
 
 
-def word(what: str, known: Iterable[str]) -> Value[str]:
-    """One of some words; ``what`` names them in errors."""
-    words = tuple(known)
-
-    def read(node: YamlNode) -> str:
-        text = _text(node)
-        if text not in words:
-            hint = nearest(text, words)
-            raise UserError("unknown-word", f"there is no {what} '{text}'", node.where, hint)
-        return text
-
-    return Value(read, {"enum": list(words)})
-
-
 def count(low: int) -> Value[int]:
     """A whole number of ``low`` or more."""
 
@@ -326,20 +312,20 @@ def fields_schema(fields: Mapping[str, Field]) -> Schema:
     }
 
 
-class Names(NamedTuple, Generic[T]):
+class NamedEntries(NamedTuple, Generic[T]):
     """The readable entries of a map of names, and the faults of the others."""
 
     entries: tuple[tuple[Scalar, T], ...] = ()
     faults: tuple[Fault, ...] = ()
 
 
-def names(what: str, value: Value[T]) -> Value[Names[T]]:
+def names(what: str, value: Value[T]) -> Value[NamedEntries[T]]:
     """A map of names. Reading raises nothing: faults are returned beside the readable entries."""
 
-    def read(node: YamlNode) -> Names[T]:
+    def read(node: YamlNode) -> NamedEntries[T]:
         if not isinstance(node, nodes.Mapping):
             message = f"'{what}' is a map of names, not {kind(node)}"
-            return Names((), (Fault("wrong-type", message, node.where),))
+            return NamedEntries((), (Fault("wrong-type", message, node.where),))
         entries, faults = [], []
         for key, item in node:
             if not re.fullmatch(NAME, key.text):
@@ -349,7 +335,7 @@ def names(what: str, value: Value[T]) -> Value[Names[T]]:
                 entries.append((key, value.read(item)))
             except UserError as error:
                 faults.extend(error.faults)
-        return Names(tuple(entries), tuple(faults))
+        return NamedEntries(tuple(entries), tuple(faults))
 
     schema = {
         "type": "object",

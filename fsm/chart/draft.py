@@ -29,10 +29,10 @@ class TransitionDraft:
     where: Where
     targets: tuple[StateDraft, ...] = ()
     reenter: bool = False
-    """Whether the source is left even when all targets lie inside it."""
+    """True to leave the source even when all targets lie inside it."""
     guard: Compiled | None = None
     hold: Compiled | None = None
-    """How long a condition must last."""
+    """Duration for which its condition must hold; None for none."""
     actions: tuple[Action, ...] = ()
     name: str = ""
 
@@ -52,7 +52,7 @@ class StateDraft(Nested):
     index: int
     last: int
     depth: int
-    """How many states are around it."""
+    """Number of its ancestors."""
     border: bool = False
     description: str = ""
     children: list[StateDraft] = field(default_factory=list)

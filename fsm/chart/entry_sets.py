@@ -27,7 +27,7 @@ class EntrySet:
     """The states that one transition enters, and how it comes to them."""
 
     entering: dict[int, Node] = field(default_factory=dict)
-    """By index, in no order."""
+    """State index → entered state, unordered."""
     histories: list[Node] = field(default_factory=list)
     """The history states that had something recorded."""
     defaults: dict[int, list[Node]] = field(default_factory=dict)

@@ -31,7 +31,7 @@ class Runtime(Protocol):
 
     @property
     def records(self) -> list[Record]:
-        """Everything that happened since the caller last replaced this list."""
+        """The records made since the caller last replaced this list by an empty one."""
 
     @property
     def host(self) -> Host:
@@ -57,10 +57,10 @@ class Runtime(Protocol):
         """
 
     def run_actions(self, actions: Sequence[Action], fields: EventFields) -> None:
-        """Run a block of actions; when one fails, the rest of this block is skipped."""
+        """ActionFunction a block of actions; when one fails, the rest of this block is skipped."""
 
 
-Run = Callable[[Runtime, EventFields], None]
+ActionFunction = Callable[[Runtime, EventFields], None]
 """An action at work. Raises one of :data:`fsm.values.functions.FAILURES` when it fails."""
 
 
@@ -70,7 +70,7 @@ class Action:
 
     kind: str
     where: Where
-    run: Run
+    run: ActionFunction
     node: YamlNode | None = None
     """The value behind its word in the file, to show it."""
 

@@ -28,7 +28,7 @@ from fsm.values.types import Type
 from vencejo.errors import Fault, UserError, Where, nearest
 
 Matching = Callable[[str, str, Vocabulary], bool]
-"""Whether a pattern under ``on`` matches an event or outcome of a host with this vocabulary."""
+"""Decides whether a pattern under ``on`` matches an event or outcome of a host's vocabulary."""
 
 
 class Guard(Condition):
@@ -75,10 +75,10 @@ class Edge(Frozen, Transition):
     """The state whose descendants are left; None for a transition without targets."""
     guard: Compiled | None
     hold: Compiled | None
-    """How many seconds its condition must last."""
+    """Duration for which its condition must hold, seconds; None for none."""
     actions: tuple[Action, ...]
     reenter: bool
-    """Whether its state is left even when all targets lie inside it."""
+    """True when its state is left even when all targets lie inside it."""
 
     def __init__(self, draft: TransitionDraft, source: StateDraft, nodes: Sequence[Node]) -> None:
         domain = domain_of(source, draft.targets, draft.reenter)
@@ -147,7 +147,7 @@ class Node(Frozen, Nested, State):
     initial: tuple[Node, ...]
     """The targets of a default entry: of a compound state, or of a history without content."""
     deep: bool
-    """Whether a history state remembers the leaves, and not only the children."""
+    """True for a history state that remembers the leaves, and not only the children."""
     entered_slot: int
     """The slot of its time of entry."""
     data: tuple[Data, ...]
@@ -172,9 +172,9 @@ class Node(Frozen, Nested, State):
     leaving: Record
     """The record of its being left."""
     fills: bool
-    """Whether an entry sets parameters, data or published values."""
+    """True when an entry sets parameters, data or published values."""
     waits: bool
-    """Whether an entry arms conditions or starts timers."""
+    """True when an entry arms conditions or starts timers."""
 
     def __init__(self) -> None:
         """An empty state: all must exist before they can refer to each other."""
@@ -286,7 +286,7 @@ class Graph:
     world: str | None
     """The world that the mission names."""
     outer_first: bool
-    """Whether outer states come before inner ones in selection."""
+    """True when outer states take precedence over inner ones in selection."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     """`transitions`' word for callbacks that take the event's data as their only argument."""

@@ -16,7 +16,7 @@ class Nested:
     last: int
     """Index of the last state inside; ``index … last`` are this state and all inside it."""
     border: bool
-    """Whether a graph begins here: it is the root, or the only child of a state that includes one.
+    """True at the root of a graph: the root itself, or the only child of a state that includes one.
     Names, targets and outcomes other than ``failed`` do not cross it."""
     parent: Self | None
 

@@ -49,7 +49,7 @@ class Possibilities:
         self.nodes = graph.nodes
         self.independent = independent_states(graph)
         self.chains = [tuple(chain(node, graph.outer_first)) for node in graph.nodes]
-        """By state: it and those around it, in the order in which events are offered to them."""
+        """Each state with its ancestors, in the order in which events are offered to them."""
         self._effects: dict[Edge, tuple[Effect, ...]] = {}
         self._choices: dict[tuple[int, str], list[Edge | None]] = {}
 
@@ -91,16 +91,16 @@ class Possibilities:
 
     @cached_property
     def triggered(self) -> list[tuple[Effect, ...]]:
-        """By leaf: the effects of all transitions by events and conditions, its own and those of
-        the states around it.
+        """For each leaf state, the effects of the transitions by events and conditions that it and
+        its ancestors have.
         """
         here = [tuple(self._triggered(node)) for node in self.nodes]
         return [self._around(leaf, here) for leaf in self.nodes]
 
     @cached_property
     def courses(self) -> list[tuple[Course, ...]]:
-        """By leaf: the courses of behaviours and timers, its own and those of the states around
-        it.
+        """For each leaf state, the courses of the behaviours and timers that it and its ancestors
+        have.
         """
         here = [(*self._outcomes(node), *self._timers(node)) for node in self.nodes]
         return [self._around(leaf, here) for leaf in self.nodes]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NoReturn
 
-from fsm.chart.executable import Action, EventFields, Run, Runtime
+from fsm.chart.executable import Action, ActionFunction, EventFields, Runtime
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, collecting, read_value
 from fsm.expressions.scope import Binding
@@ -55,7 +55,7 @@ def compile_action(spec: ActionSpec, environment: Environment) -> Action:
     return Action(spec.kind, spec.where, _COMPILERS[spec.kind](spec, environment), spec.node)
 
 
-def _log(spec: ActionSpec, environment: Environment) -> Run:
+def _log(spec: ActionSpec, environment: Environment) -> ActionFunction:
     node = spec.node
     # A value by itself is shown as it would be inside a text.
     alone = isinstance(node, Scalar) and "$" in node.text
@@ -115,7 +115,7 @@ def _mistyped(name: Scalar, message: str) -> NoReturn:
     raise UserError("wrong-type", message, name.where)
 
 
-def _set(spec: ActionSpec, environment: Environment) -> Run:
+def _set(spec: ActionSpec, environment: Environment) -> ActionFunction:
     assignments = _assignments(spec, environment.context)
     if len(assignments) == 1:
         return _set_one(*assignments[0])
@@ -131,7 +131,7 @@ def _set(spec: ActionSpec, environment: Environment) -> Run:
     return run
 
 
-def _set_one(variable: Binding, value: Compiled) -> Run:
+def _set_one(variable: Binding, value: Compiled) -> ActionFunction:
     """Assign one variable, as nearly every `set` does: half the time of the general case."""
     name, slot, function = variable.name, variable.slot, value.function
 
@@ -143,7 +143,7 @@ def _set_one(variable: Binding, value: Compiled) -> Run:
     return run
 
 
-def _append(spec: ActionSpec, environment: Environment) -> Run:
+def _append(spec: ActionSpec, environment: Environment) -> ActionFunction:
     assignments = _assignments(spec, environment.context)
 
     def run(instance: Runtime, event: EventFields) -> None:
@@ -174,7 +174,7 @@ def _event_name(node: YamlNode | None, where: Where) -> str:
     return name
 
 
-def _raise(spec: ActionSpec, environment: Environment) -> Run:
+def _raise(spec: ActionSpec, environment: Environment) -> ActionFunction:
     node = spec.node
     body: YamlNode | None = None
     if isinstance(node, MapNode):
@@ -188,7 +188,7 @@ def _raise(spec: ActionSpec, environment: Environment) -> Run:
     return lambda i, e: i.raise_event(name, fields(i.slots, e))
 
 
-def _send(spec: ActionSpec, environment: Environment) -> Run:
+def _send(spec: ActionSpec, environment: Environment) -> ActionFunction:
     context = environment.context
     node = _map(spec.node, "send")
     for key, _ in node:
@@ -233,7 +233,7 @@ def _receiver(node: YamlNode | None, context: Context) -> str:
     return node.text
 
 
-def _call(spec: ActionSpec, environment: Environment) -> Run:
+def _call(spec: ActionSpec, environment: Environment) -> ActionFunction:
     name, body = spec.node, None
     if isinstance(name, MapNode):
         if len(name.entries) != 1:
@@ -262,12 +262,12 @@ def _call(spec: ActionSpec, environment: Environment) -> Run:
     return run
 
 
-def _cancel(spec: ActionSpec, environment: Environment) -> Run:
+def _cancel(spec: ActionSpec, environment: Environment) -> ActionFunction:
     id_ = read_value(spec.node, TEXT, environment.context)
     return lambda i, e: i.cancel(id_(i.slots, e))
 
 
-_COMPILERS: Mapping[ActionKind, Callable[[ActionSpec, Environment], Run]] = {
+_COMPILERS: Mapping[ActionKind, Callable[[ActionSpec, Environment], ActionFunction]] = {
     "set": _set,
     "append": _append,
     "raise": _raise,

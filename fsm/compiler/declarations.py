@@ -39,11 +39,11 @@ class Declarations:
         """The first of the slots that hold the states' times of entry, in document order."""
         self.slots = self.first_slot + len(tree.states)
         self.scopes: list[Scope] = []
-        """By the index of the state."""
+        """The scope of each state, by its index."""
         self.graphs: dict[int, Namespace] = {}
         """The namespace of each graph, by the index of its root."""
         self._names: list[Namespace] = []
-        """By the index of the state."""
+        """The namespace of each state, by its index."""
         self._declare_graph(tree.root)
         for index in reversed(self.graphs):
             self._collect_raised(tree.states[index])

@@ -9,7 +9,7 @@ from vencejo.errors import UserError, nearest
 from vencejo.nodes import Scalar
 
 MAX_STATES = 10_000
-"""Of a mission with all it includes; twenty files can ask for a million."""
+"""Most states of a mission, included graphs counted; twenty files could ask for a million."""
 
 
 class Tree:
@@ -19,7 +19,7 @@ class Tree:
         self.faults = faults
         self.states = Draft()
         self.specs: list[StateSpec] = []
-        """By the index of the state."""
+        """The specification of each state, by its index."""
         self.named: list[dict[str, StateDraft]] = []
         """The children of each state by name, without the roots of included graphs."""
         self.graphs: dict[int, MissionSpec] = {}

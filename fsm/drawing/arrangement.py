@@ -24,8 +24,8 @@ _STRAIGHT = {("dummy", "dummy"): 8.0, ("box", "box"): 2.0}
 """The weight of a straight line between two kinds of item; between all others it is 4."""
 
 Links = dict[Item, list[tuple[Item, float, float]]]
-"""For each item its neighbours in the next row: the neighbour, the difference of their x where the
-line between them is straight, and the weight of that wish."""
+"""For each item its neighbours in the next row: the neighbour, the difference in x for which the
+line between them is straight, and the weight of that difference."""
 
 
 def arrange(rows: Rows, fixed_order: bool) -> None:

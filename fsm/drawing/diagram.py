@@ -56,7 +56,7 @@ class Line:
     points: tuple[XY, ...]
     label: Label | None
     dot: bool
-    """Whether it is the line of an initial state, which begins at a dot."""
+    """True for the line to an initial state, which begins at a dot."""
     title: str
 
 

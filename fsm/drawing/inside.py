@@ -11,9 +11,9 @@ from fsm.drawing.arrangement import BORDER, PORT_GAP, arrange
 from fsm.drawing.channels import Net, route
 from fsm.drawing.diagram import XY
 from fsm.drawing.labels import edges_label, node_lines
-from fsm.drawing.rows import Bundle, Item, Key, Rows, Terminal, layers_of
+from fsm.drawing.rows import Bundle, Item, ItemKey, Rows, Terminal, layers_of
 from fsm.drawing.widths import text_width
-from fsm.drawing.wiring import Leg, Wire, toward
+from fsm.drawing.wiring import LineSection, Wire, toward
 
 NAME_SIZE, LINE_SIZE, LABEL_SIZE = 13.0, 11.0, 11.0
 NAME_HEIGHT, LINE_HEIGHT = 18.0, 15.0
@@ -39,9 +39,9 @@ class Inside:
     rows: Rows
     items: dict[Node, Item]
     """The boxes of its children."""
-    starts: dict[Key, Item]
+    starts: dict[ItemKey, Item]
     """The items where lines begin: ports of the upper border, initial dots."""
-    ends: dict[Key, Item]
+    ends: dict[ItemKey, Item]
     """The ports of the lower border, where lines end."""
     labels: dict[Wire, Item]
     nets: dict[Bundle, tuple[Net, float]]
@@ -50,7 +50,7 @@ class Inside:
     bottoms: list[float]
     """The upper and lower y of each row."""
 
-    def at(self, terminal: Terminal, key: Key) -> XY:
+    def at(self, terminal: Terminal, key: ItemKey) -> XY:
         """The point where a line meets an item."""
         item, top = terminal
         x = _x(item, top, key)
@@ -60,7 +60,7 @@ class Inside:
             return x, item.y + item.height
         return x, self.tops[item.row] if top else self.bottoms[item.row]
 
-    def follow(self, item: Item, name: Key, key: Key) -> Iterator[XY]:
+    def follow(self, item: Item, name: ItemKey, key: ItemKey) -> Iterator[XY]:
         """The points of a line from an item to the child or port it leads to.
 
         ``name`` is the line's key at that item, ``key`` its key at all others.
@@ -95,7 +95,7 @@ def lay_out(
     node: Node,
     name: str,
     children: dict[Node, Inside],
-    legs: Sequence[tuple[Leg, Wire]],
+    sections: Sequence[tuple[LineSection, Wire]],
     ports: tuple[int, int],
 ) -> Inside:
     """Lay out a state whose children are laid out already.
@@ -106,9 +106,9 @@ def lay_out(
     width, height = _head_size(node, name, lines)
     inner = [child for child in node.children if child in children]
     pairs = {
-        (inner.index(leg.source), inner.index(leg.sink))
-        for leg, _ in legs
-        if leg.source and leg.sink and leg.source is not leg.sink
+        (inner.index(section.source), inner.index(section.sink))
+        for section, _ in sections
+        if section.source and section.sink and section.source is not section.sink
     }
     parallel = node.type == "parallel"
     first = [toward(node, target) for target in node.initial] if inner else []
@@ -123,13 +123,13 @@ def lay_out(
     for child, layer in zip(inner, layers, strict=True):
         box = children[child]
         made.items[child] = rows.add(_box(box, 2 * layer + 2))
-    _connect(made, legs)
+    _connect(made, sections)
     arrange(rows, parallel)
     _finish(made, children, ports)
     return made
 
 
-def _x(item: Item, top: bool, key: Key) -> float:
+def _x(item: Item, top: bool, key: ItemKey) -> float:
     return PAD + item.x + (item.above if top else item.below).get(key, 0.0)
 
 
@@ -158,26 +158,26 @@ def _box(inside: Inside, row: int) -> Item:
     return box
 
 
-def _connect(made: Inside, legs: Sequence[tuple[Leg, Wire]]) -> None:
+def _connect(made: Inside, sections: Sequence[tuple[LineSection, Wire]]) -> None:
     rows, known = made.rows, set()
-    for leg, wire in legs:
-        if leg in known:
+    for section, wire in sections:
+        if section in known:
             continue
-        known.add(leg)
-        source = made.items[leg.source] if leg.source else made.starts.get(leg.out)
-        if source is None and isinstance(leg.out, tuple) and leg.out[0] == "dot":
+        known.add(section)
+        source = made.items[section.source] if section.source else made.starts.get(section.out)
+        if source is None and isinstance(section.out, tuple) and section.out[0] == "dot":
             source = rows.add(Item("dot", 1, DOT, DOT, DOT / 2))
-            made.starts[leg.out] = source
+            made.starts[section.out] = source
         elif source is None:
-            source = made.starts[leg.out] = rows.port(0, leg.out, leg.stop)
-        if leg.sink:
-            sink = made.items[leg.sink]
+            source = made.starts[section.out] = rows.port(0, section.out, section.stop)
+        if section.sink:
+            sink = made.items[section.sink]
         else:
-            sink = made.ends[leg.key] = rows.port(rows.last, leg.key, leg.stop)
+            sink = made.ends[section.key] = rows.port(rows.last, section.key, section.stop)
         label = None
-        if wire.edges and leg is wire.legs[0]:
+        if wire.edges and section is wire.sections[0]:
             label = made.labels[wire] = _label(edges_label(wire.edges))
-        rows.connect(source, leg.out, sink, leg.key, label)
+        rows.connect(source, section.out, sink, section.key, label)
 
 
 def _label(text: tuple[str, ...]) -> Item:

@@ -9,7 +9,7 @@ from fsm.drawing.diagram import XY, Box, Diagram, Label, Line
 from fsm.drawing.inside import BESIDE, LABEL_SIZE, LINE_HEIGHT, PAD, Inside, lay_out
 from fsm.drawing.labels import edge_text, node_title
 from fsm.drawing.widths import text_width
-from fsm.drawing.wiring import Leg, Wire, wires_of
+from fsm.drawing.wiring import LineSection, Wire, wires_of
 
 MARGIN = 12.0
 
@@ -17,11 +17,11 @@ MARGIN = 12.0
 def draw(graph: Graph) -> Diagram:
     """The diagram of a graph: the same one each time."""
     wires = wires_of(tuple(graph.nodes))
-    legs: dict[Node, list[tuple[Leg, Wire]]] = {node: [] for node in graph.nodes}
+    sections: dict[Node, list[tuple[LineSection, Wire]]] = {node: [] for node in graph.nodes}
     up, down = dict.fromkeys(graph.nodes, 0), dict.fromkeys(graph.nodes, 0)
     for wire in wires:
-        for leg in wire.legs:
-            legs[leg.inside].append((leg, wire))
+        for section in wire.sections:
+            sections[section.inside].append((section, wire))
         if not wire.initial or wire.source.type == "history":
             down[wire.source] += 1
     for target, _ in {(w.target, w.initial) for w in wires}:
@@ -29,7 +29,9 @@ def draw(graph: Graph) -> Diagram:
     insides: dict[Node, Inside] = {}
     for node in reversed(graph.nodes):
         inner = {child: insides[child] for child in node.children}
-        insides[node] = lay_out(node, _name(graph, node), inner, legs[node], (up[node], down[node]))
+        insides[node] = lay_out(
+            node, _name(graph, node), inner, sections[node], (up[node], down[node])
+        )
     return _Assembly(graph, insides).diagram(wires)
 
 
@@ -74,11 +76,13 @@ class _Assembly:
 
     def line(self, wire: Wire) -> Line:
         points: list[XY] = []
-        for leg in wire.legs:
-            inside = self.insides[leg.inside]
-            start = inside.items[leg.source] if leg.source else inside.starts[leg.out]
-            dx, dy = self.origins[leg.inside]
-            points.extend((x + dx, y + dy) for x, y in inside.follow(start, leg.out, leg.key))
+        for section in wire.sections:
+            inside = self.insides[section.inside]
+            start = inside.items[section.source] if section.source else inside.starts[section.out]
+            dx, dy = self.origins[section.inside]
+            points.extend(
+                (x + dx, y + dy) for x, y in inside.follow(start, section.out, section.key)
+            )
         told = "\n".join(edge_text(edge) for edge in wire.edges)
         return Line(
             wire.source.path,
@@ -92,8 +96,8 @@ class _Assembly:
     def label(self, wire: Wire) -> Label | None:
         if not wire.edges:
             return None
-        inside = self.insides[wire.legs[0].inside]
-        item, (dx, dy) = inside.labels[wire], self.origins[wire.legs[0].inside]
+        inside = self.insides[wire.sections[0].inside]
+        item, (dx, dy) = inside.labels[wire], self.origins[wire.sections[0].inside]
         width = max(text_width(line, LABEL_SIZE) for line in item.text)
         x, y = dx + PAD + item.x + BESIDE, dy + item.y
         return Label(x, y, width, LINE_HEIGHT * len(item.text), item.text)

@@ -15,9 +15,9 @@ from typing import Literal
 
 from fsm.chart.graph import Node
 
-Kind = Literal["head", "dot", "box", "label", "dummy", "port"]
-Key = Hashable
-MARGINS: dict[Kind, float] = {
+ItemKind = Literal["head", "dot", "box", "label", "dummy", "port"]
+ItemKey = Hashable
+MARGINS: dict[ItemKind, float] = {
     "head": 10.0, "dot": 10.0, "box": 14.0, "label": 7.0, "dummy": 3.0, "port": 4.0,
 }  # fmt: skip
 LINE_WIDTH = 14.0
@@ -28,7 +28,7 @@ LINE_WIDTH = 14.0
 class Item:
     """An item in a row. ``x`` is that of its line, which is ``anchor`` right of its left edge."""
 
-    kind: Kind
+    kind: ItemKind
     row: int
     width: float = LINE_WIDTH
     height: float = 0.0
@@ -40,9 +40,9 @@ class Item:
     x: float = 0.0
     y: float = 0.0
     place: float = 0.0
-    above: dict[Key, float] = field(default_factory=dict)
+    above: dict[ItemKey, float] = field(default_factory=dict)
     """For a state: the x of the ports in its upper border, from its middle."""
-    below: dict[Key, float] = field(default_factory=dict)
+    below: dict[ItemKey, float] = field(default_factory=dict)
 
     @property
     def left(self) -> float:
@@ -63,7 +63,7 @@ class Bundle:
     """Lines to the same target that are joined in one channel; all of them lead to ``sink``."""
 
     channel: int
-    key: Key
+    key: ItemKey
     terminals: list[Terminal] = field(default_factory=list)
     sink: Terminal | None = None
 
@@ -73,10 +73,10 @@ class Rows:
 
     def __init__(self, layers: int) -> None:
         self.rows: list[list[Item]] = [[] for _ in range(2 * layers + 3)]
-        self.bundles: dict[tuple[int, Key], Bundle] = {}
-        self.leaving: dict[tuple[Item, bool, Key], Bundle] = {}
+        self.bundles: dict[tuple[int, ItemKey], Bundle] = {}
+        self.leaving: dict[tuple[Item, bool, ItemKey], Bundle] = {}
         """The bundle of a line that leaves a terminal; its key tells the lines of a state apart."""
-        self._found: dict[tuple[int, Key], Item] = {}
+        self._found: dict[tuple[int, ItemKey], Item] = {}
 
     @property
     def last(self) -> int:
@@ -86,20 +86,22 @@ class Rows:
         self.rows[item.row].append(item)
         return item
 
-    def port(self, row: int, key: Key, stop: bool) -> Item:
+    def port(self, row: int, key: ItemKey, stop: bool) -> Item:
         found = self._found.get((row, key))
         if found is None:
             found = self._found[row, key] = self.add(Item("port", row))
         found.stop = found.stop or stop
         return found
 
-    def _dummy(self, row: int, key: Key) -> Item:
+    def _dummy(self, row: int, key: ItemKey) -> Item:
         found = self._found.get((row, key))
         if found is None:
             found = self._found[row, key] = self.add(Item("dummy", row))
         return found
 
-    def _join(self, channel: int, key: Key, source: Terminal, sink: Terminal, name: Key) -> None:
+    def _join(
+        self, channel: int, key: ItemKey, source: Terminal, sink: Terminal, name: ItemKey
+    ) -> None:
         """Join two terminals in a channel; ``name`` is the line's key at its source."""
         bundle = self.bundles.get((channel, key))
         if bundle is None:
@@ -110,14 +112,18 @@ class Rows:
         bundle.sink = sink
         self.leaving[source[0], source[1], name] = bundle
 
-    def connect(self, source: Item, out: Key, sink: Item, key: Key, label: Item | None) -> None:
+    def connect(
+        self, source: Item, out: ItemKey, sink: Item, key: ItemKey, label: Item | None
+    ) -> None:
         """Lead a line from a source, where its key is ``out``, to a sink, where it is ``key``."""
         if source.row < sink.row:
             self._down(source, out, sink, key, label)
         else:
             self._up(source, out, sink, key, label)
 
-    def _down(self, source: Item, out: Key, sink: Item, key: Key, label: Item | None) -> None:
+    def _down(
+        self, source: Item, out: ItemKey, sink: Item, key: ItemKey, label: Item | None
+    ) -> None:
         place, name = source, out
         for row in range(source.row + 1, sink.row):
             if label is not None and row == source.row + 1:
@@ -131,7 +137,7 @@ class Rows:
             name = key
         self._join(sink.row, key, (place, False), (sink, True), name)
 
-    def _up(self, source: Item, out: Key, sink: Item, key: Key, label: Item | None) -> None:
+    def _up(self, source: Item, out: ItemKey, sink: Item, key: ItemKey, label: Item | None) -> None:
         row = source.row
         if label is not None:
             label.row = row

@@ -13,7 +13,7 @@ from fsm.drawing.layout import draw
 from vencejo.markup import ILLEGAL
 
 ROUND = 6.0
-Piece = tuple[str, XY, XY]
+Segment = tuple[str, XY, XY]
 """A straight piece of a line: the path of the line's target, and the two ends."""
 STYLE = f"""\
 text {{ font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: #1f2933; }}
@@ -46,7 +46,7 @@ def write_svg(graph: Graph) -> str:
 def render(diagram: Diagram, active: Collection[str] = ()) -> str:
     """A diagram as SVG; ``active`` are the paths of states to highlight."""
     width, height = f"{diagram.width:g}", f"{diagram.height:g}"
-    drawn: set[Piece] = set()
+    drawn: set[Segment] = set()
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
@@ -99,7 +99,7 @@ def _text(kind: str, x: float, y: float, text: str, more: str = "") -> str:
     return f'<text class="{kind}" x="{x:g}" y="{y:g}"{more}>{_escape(text)}</text>'
 
 
-def _line(line: Line, drawn: set[Piece]) -> Iterator[str]:
+def _line(line: Line, drawn: set[Segment]) -> Iterator[str]:
     yield f"<g><title>{_escape(line.title)}</title>"
     if line.dot:
         x, y = line.points[0]
@@ -116,7 +116,7 @@ def _line(line: Line, drawn: set[Piece]) -> Iterator[str]:
     yield "</g>"
 
 
-def _own(target: str, points: Sequence[XY], drawn: set[Piece]) -> Sequence[XY]:
+def _own(target: str, points: Sequence[XY], drawn: set[Segment]) -> Sequence[XY]:
     """The part of a line up to where it joins another, drawn already, to the same target."""
     for index, (one, two) in enumerate(pairwise(points)):
         if (target, one, two) in drawn:

@@ -1,4 +1,4 @@
-"""The lines of a graph's diagram, each divided into legs: one for every state it runs through."""
+"""The lines of a graph's diagram, each divided into sections: one for every state it crosses."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from dataclasses import dataclass
 
 from fsm.chart.graph import Edge, Node
 from fsm.drawing.labels import stays
-from fsm.drawing.rows import Key
+from fsm.drawing.rows import ItemKey
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class LineSection:
     """The piece of a line inside one state."""
 
     inside: Node
     source: Node | None
     """A child; None when it comes from the upper border, or from the initial dot."""
-    out: Key
+    out: ItemKey
     """The line's key at its source."""
     sink: Node | None
     """A child; None when it leads to the lower border."""
-    key: Key
+    key: ItemKey
     """The line's key elsewhere: the same for all lines that may be bundled."""
     stop: bool = False
-    """It begins or ends at the border instead of crossing it."""
+    """True when it begins or ends at the border instead of crossing it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Wire:
     source: Node
     target: Node
     edges: tuple[Edge, ...]
-    legs: tuple[Leg, ...]
+    sections: tuple[LineSection, ...]
     initial: bool = False
 
 
@@ -46,14 +46,14 @@ def wires_of(nodes: tuple[Node, ...]) -> tuple[Wire, ...]:
             found.extend(_initial(node, target) for target in node.initial)
         elif node.type == "history":
             for target in node.initial:
-                found.append(Wire(node, target, (), tuple(_legs(node, target, False)), True))
+                found.append(Wire(node, target, (), tuple(_sections(node, target, False)), True))
         ways: dict[tuple[Node, bool], list[Edge]] = {}
         for edge in node.edges():
             if not stays(edge):
                 for target in edge.targets:
                     ways.setdefault((target, edge.domain is node), []).append(edge)
         for (target, inner), edges in ways.items():
-            found.append(Wire(node, target, tuple(edges), tuple(_legs(node, target, inner))))
+            found.append(Wire(node, target, tuple(edges), tuple(_sections(node, target, inner))))
     return tuple(found)
 
 
@@ -63,38 +63,38 @@ def toward(place: Node, target: Node) -> Node:
 
 
 def _initial(node: Node, target: Node) -> Wire:
-    key: Key = target.index if target.type == "history" else ("initial", target.index)
+    key: ItemKey = target.index if target.type == "history" else ("initial", target.index)
     child = toward(node, target)
-    legs = (Leg(node, None, ("dot", key), child, key), *_inwards(child, target, key))
-    return Wire(node, target, (), legs, True)
+    sections = (LineSection(node, None, ("dot", key), child, key), *_inwards(child, target, key))
+    return Wire(node, target, (), sections, True)
 
 
-def _legs(source: Node, target: Node, inner: bool) -> Iterator[Leg]:
+def _sections(source: Node, target: Node, inner: bool) -> Iterator[LineSection]:
     key, out = target.index, ("out", source.index, target.index, inner)
     if inner:
         child = toward(source, target)
-        yield Leg(source, None, out, child, key, stop=True)
+        yield LineSection(source, None, out, child, key, stop=True)
         yield from _inwards(child, target, key)
         return
-    name: Key = out
+    name: ItemKey = out
     common = source.parent
     while common is not target and not (common is None or common.contains(target)):
         common = common.parent
     place, inside = source, source.parent
     while inside is not None and inside is not common:
-        yield Leg(inside, place, name, None, key)
+        yield LineSection(inside, place, name, None, key)
         place, inside, name = inside, inside.parent, key
     assert common is not None
     if common is target:
-        yield Leg(common, place, name, None, key, stop=True)
+        yield LineSection(common, place, name, None, key, stop=True)
         return
     child = toward(common, target)
-    yield Leg(common, place, name, child, key)
+    yield LineSection(common, place, name, child, key)
     yield from _inwards(child, target, key)
 
 
-def _inwards(place: Node, target: Node, key: Key) -> Iterator[Leg]:
+def _inwards(place: Node, target: Node, key: ItemKey) -> Iterator[LineSection]:
     while place is not target:
         child = toward(place, target)
-        yield Leg(place, None, key, child, key)
+        yield LineSection(place, None, key, child, key)
         place = child

@@ -21,9 +21,9 @@ class Memory:
     kept: tuple[Node, ...]
     """The states whose data and progress it gives back: its parent, and those it restores."""
     progress: dict[int, Progress] = field(default_factory=dict)
-    """By state index."""
+    """State index → progress of its behaviour."""
     data: dict[int, Any] = field(default_factory=dict)
-    """By slot."""
+    """Slot → value."""
 
     def keep_data(self, values: Sequence[Any]) -> None:
         """Remember the data of the kept states; ``values`` are those of all slots."""

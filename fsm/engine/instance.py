@@ -104,7 +104,7 @@ class Instance(Interpreter):
                 self.post(sent.event.name, sent.event.fields)
 
     def _process_events(self) -> None:
-        """One macrostep for each queued event. What is posted meanwhile is for the next period."""
+        """Run a macrostep per queued event; events posted meanwhile wait for the next period."""
         state = self.state
         for queue in (state.urgent, state.external):
             for _ in range(len(queue)):

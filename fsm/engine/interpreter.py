@@ -56,7 +56,7 @@ class Interpreter:
         self.graph = graph
         self.host = host
         self.records: list[Record] = []
-        """Everything that happened since the caller last replaced this list by an empty one."""
+        """The records made since the caller last replaced this list by an empty one."""
         self._configurations = self._shared.configurations
         self._has_history = self._shared.has_history
         self._callback_data: EventData | None = None

@@ -40,7 +40,7 @@ Saved = dict[str, Any]
 
 
 def save(instance: Instance) -> Saved:
-    """Everything needed to go on later. Only at the end of a period; changes nothing.
+    """The state of an instance at the end of a period, to resume from; changes nothing.
 
     Raises UserError (``unsavable``) when a behaviour keeps or publishes what JSON cannot hold.
     """

@@ -45,7 +45,7 @@ class Shared:
 
 
 _shared: WeakValueDictionary[int, Shared] = WeakValueDictionary()
-"""By the identity of the graph. As a key, the graph itself would be held for ever."""
+"""``id`` of a graph → what its instances share. The graph as a key would never be freed."""
 
 
 def shared_by(graph: Graph) -> Shared:

@@ -22,7 +22,7 @@ from vencejo.errors import UserError, Where
 
 _SLOT = re.compile(r"s\[(\d+)\]")
 _NUMBER = re.compile(r"\d+\.\d+")
-Function = Callable[[list[Any], Mapping[str, Any] | None], Any]
+Evaluator = Callable[[list[Any], Mapping[str, Any] | None], Any]
 """A compiled value, as a function of an instance's slots and of the fields of its event."""
 
 
@@ -31,7 +31,7 @@ class Compiled:
     """An expression or literal ready to be evaluated."""
 
     type: Type
-    function: Function
+    function: Evaluator
     source: str
     where: Where
     constant: bool = False
@@ -78,7 +78,7 @@ def compile_expression(
     return Compiled(type_, function, text, where, is_constant, frozenset(translator.reads))
 
 
-def _simple(code: str) -> Function | None:
+def _simple(code: str) -> Evaluator | None:
     """A function for code that is a slot or a number by itself: Python's compiler is slow."""
     slot = _SLOT.fullmatch(code)
     if slot:
@@ -92,12 +92,12 @@ def _simple(code: str) -> Function | None:
 
 def _compiled(
     code: str, arguments: Iterable[str], translator: Translator, where: Where
-) -> Function:
+) -> Evaluator:
     names = ", ".join(["s", "e", *(f"a_{name}" for name in arguments)])
     try:
         # `code` is made of our own pieces only: see the module's docstring.
         source = compile(f"lambda {names}: {code}", f"<{where}>", "eval")
     except (SyntaxError, RecursionError, MemoryError):
         raise too_deep(where) from None
-    function: Function = eval(source, translator.namespace)
+    function: Evaluator = eval(source, translator.namespace)
     return function

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from fsm.expressions.compiled import Compiled, Function, compile_expression, constant
+from fsm.expressions.compiled import Compiled, Evaluator, compile_expression, constant
 from fsm.expressions.scope import Scope
 from fsm.expressions.templates import NAME, Inserted, formatted, pieces
 from fsm.values.conversion import HEADING_WORDS, POINT_FORMS, converted, point_of
@@ -184,7 +184,7 @@ _SCALARS: Mapping[type[Type], Callable[[Scalar, Any, Context], Compiled]] = {
     PointType: _point,
     HeadingType: _heading,
 }
-"""By the type of the place; no other place takes a scalar."""
+"""Type of the place → reader of its scalars; places of other types take none."""
 
 
 # -- expressions inside values --------------------------------------------------------------
@@ -212,7 +212,7 @@ def _with_dollars(node: Scalar, place: Type, context: Context) -> Compiled:
 def _template(node: Scalar, parts: list[str | Inserted], context: Context) -> Compiled:
     if all(isinstance(part, str) for part in parts):
         return constant("".join(map(str, parts)), TEXT, node.where, node.text)
-    functions: list[Function] = []
+    functions: list[Evaluator] = []
     for part in parts:
         if isinstance(part, str):
             functions.append(lambda s, e, text=part: text)  # type: ignore[misc]

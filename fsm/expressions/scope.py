@@ -23,7 +23,7 @@ TIME_SLOT = 0
 CONFIGURATION_SLOT = 1
 FIRST_HOST_SLOT = 2
 
-Kind = Literal["host", "parameter", "data", "published", "define", "entered", "event"]
+BindingKind = Literal["host", "parameter", "data", "published", "define", "entered", "event"]
 
 
 def start(scalar: Scalar) -> Where:
@@ -36,7 +36,7 @@ class Binding:
     """A name with its type and the slot that holds its value."""
 
     name: str
-    kind: Kind
+    kind: BindingKind
     type: Type
     slot: int = -1
     where: Where | None = None

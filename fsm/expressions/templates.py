@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fsm.expressions.compiled import Function
+from fsm.expressions.compiled import Evaluator
 from fsm.values.functions import EvaluationError, as_text, shown
 from vencejo.errors import UserError, Where
 
@@ -82,7 +82,7 @@ def _split_format(inside: str) -> tuple[str, str]:
     return (head, tail) if colon and _FORMAT.fullmatch(tail) and tail else (inside, "")
 
 
-def formatted(function: Function, format_: str) -> Function:
+def formatted(function: Evaluator, format_: str) -> Evaluator:
     """A function that gives the value as text, in a number format if there is one."""
 
     def text(slots: list[Any], event: Mapping[str, Any] | None) -> str:

@@ -97,7 +97,7 @@ class Translator:
         self.reads: set[str] = set()
         """The kinds of the names that its value depends on; empty for a constant."""
         self.loops = False
-        """It has comprehensions, whose steps are counted in ``b``."""
+        """True with comprehensions, whose steps are counted in ``b``."""
         self.parsed = parse(text, where)
         self.defined = 0
         """The number of parts of the defines it uses."""

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from fsm.chart.executable import Action, EventFields, Run, Runtime
-from fsm.expressions.compiled import Compiled, Function
+from fsm.chart.executable import Action, ActionFunction, EventFields, Runtime
+from fsm.expressions.compiled import Compiled, Evaluator
 from fsm.faults import Faults
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import (
@@ -17,7 +17,7 @@ from fsm.scxml.ecmascript import (
     compile_script,
     compile_value,
 )
-from fsm.scxml.values import text_of
+from fsm.scxml.ecmascript_values import text_of
 from fsm.values.functions import LOOP_BUDGET, Budget, EvaluationError, shown
 from fsm.values.types import ANY
 from vencejo.errors import UserError, Where, nearest
@@ -55,8 +55,8 @@ class Content:
                 found.append(Action(element.tag, element.where, self.action(element)))
         return tuple(found)
 
-    def action(self, element: Element) -> Run:
-        kinds: Mapping[str, Callable[[Element], Run]] = {
+    def action(self, element: Element) -> ActionFunction:
+        kinds: Mapping[str, Callable[[Element], ActionFunction]] = {
             "assign": self.assign,
             "script": self.script,
             "log": self.log,
@@ -78,11 +78,11 @@ class Content:
 
     # -- pieces -----------------------------------------------------------------------------
 
-    def value(self, element: Element, attribute: str) -> Function:
+    def value(self, element: Element, attribute: str) -> Evaluator:
         """The compiled expression of an attribute that must be there."""
         return compile_value(needed(element, attribute), element.place(attribute), self.names)
 
-    def optional(self, element: Element, literal: str, expression: str) -> Function | None:
+    def optional(self, element: Element, literal: str, expression: str) -> Evaluator | None:
         """A value from a text in one attribute or an expression in another; None without both."""
         text = element.get(literal)
         if text is not None:
@@ -105,9 +105,9 @@ class Content:
             raise UserError("unknown-name", f"there is no variable '{name}'", where, hint)
         return self.names.variables[name]
 
-    def fields(self, element: Element) -> dict[str, Function]:
+    def fields(self, element: Element) -> dict[str, Evaluator]:
         """Compile the fields that `namelist` and `param` give to an event."""
-        found: dict[str, Function] = {}
+        found: dict[str, Evaluator] = {}
         for name in (element.get("namelist") or "").split():
             self.variable(name, element.place("namelist"))
             found[name] = compile_value(name, element.place("namelist"), self.names)
@@ -121,7 +121,7 @@ class Content:
 
     # -- actions ----------------------------------------------------------------------------
 
-    def assign(self, element: Element) -> Run:
+    def assign(self, element: Element) -> ActionFunction:
         slot, name = self.slot(element, "location"), needed(element, "location")
         value = self.value(element, "expr")
 
@@ -131,7 +131,7 @@ class Content:
 
         return run
 
-    def script(self, element: Element) -> Run:
+    def script(self, element: Element) -> ActionFunction:
         if element.get("src") is not None:
             _unsupported(element, "a script in another file", "write its assignments here")
         where = element.text_where or element.where
@@ -147,7 +147,7 @@ class Content:
 
         return run
 
-    def log(self, element: Element) -> Run:
+    def log(self, element: Element) -> ActionFunction:
         value = self.value(element, "expr") if element.get("expr") is not None else None
         label = element.get("label")
 
@@ -158,11 +158,11 @@ class Content:
 
         return run
 
-    def raise_(self, element: Element) -> Run:
+    def raise_(self, element: Element) -> ActionFunction:
         name = needed(element, "event")
         return lambda instance, event: instance.raise_event(name, {})
 
-    def send(self, element: Element) -> Run:
+    def send(self, element: Element) -> ActionFunction:
         if element.get("targetexpr") is not None or element.get("typeexpr") is not None:
             _unsupported(element, "a computed target or type", None)
         target = element.get("target") or ""
@@ -198,13 +198,13 @@ class Content:
 
         return run
 
-    def cancel(self, element: Element) -> Run:
+    def cancel(self, element: Element) -> ActionFunction:
         id_ = self.optional(element, "sendid", "sendidexpr")
         if id_ is None:
             raise UserError("missing-attribute", "<cancel> needs a `sendid`", element.where)
         return lambda instance, event: instance.cancel(id_(instance.slots, event))
 
-    def if_(self, element: Element) -> Run:
+    def if_(self, element: Element) -> ActionFunction:
         needed(element, "cond")
         parts: list[tuple[Element, list[Element]]] = [(element, [])]
         for child in element.children:
@@ -227,7 +227,7 @@ class Content:
 
         return run
 
-    def foreach(self, element: Element) -> Run:
+    def foreach(self, element: Element) -> ActionFunction:
         array = self.value(element, "array")
         item = self.slot(element, "item")
         index = self.slot(element, "index") if element.get("index") is not None else None
@@ -250,7 +250,7 @@ class Content:
         return run
 
 
-def _block(actions: tuple[Action, ...]) -> Run:
+def _block(actions: tuple[Action, ...]) -> ActionFunction:
     return lambda instance, event: instance.run_actions(actions, event)
 
 

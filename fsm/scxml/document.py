@@ -21,23 +21,23 @@ OURS = "urn:vencejo:scxml:1"
 
 @dataclass(slots=True)
 class Element:
-    """One element. Names of SCXML stand as they are, ours begin with ``v:``."""
+    """An XML element. SCXML's names have no prefix; those of our namespace begin with ``v:``."""
 
     tag: str
     attributes: dict[str, str]
     where: Where
     places: dict[str, Where] = field(default_factory=dict)
-    """Where the value of each attribute begins."""
+    """The place where the value of each attribute begins."""
     children: list[Element] = field(default_factory=list)
     text: str = ""
-    """Without the blanks around it, which are layout."""
+    """Its text without the white space around it."""
     text_where: Where | None = None
 
     def get(self, name: str) -> str | None:
         return self.attributes.get(name)
 
     def place(self, name: str) -> Where:
-        """Where an attribute's value begins, or else the element."""
+        """The place where an attribute's value begins; the element's for an unknown attribute."""
         return self.places.get(name, self.where)
 
     def all(self, *tags: str) -> Iterator[Element]:

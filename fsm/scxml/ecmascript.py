@@ -15,9 +15,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from fsm.expressions.compiled import Function
+from fsm.expressions.compiled import Evaluator
 from fsm.expressions.scope import CONFIGURATION_SLOT
-from fsm.scxml.values import LEVELS, MATH, OPERATORS, item, member, truth
+from fsm.scxml.ecmascript_values import LEVELS, MATH, OPERATORS, item, member, truth
 from fsm.values.functions import bounded, number, power
 from vencejo.errors import UserError, Where, nearest
 
@@ -64,7 +64,7 @@ class Assignment:
     """One statement of a script."""
 
     name: str
-    value: Function
+    value: Evaluator
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class _Token:
     where: Where
 
 
-def compile_value(text: str, where: Where, names: Names) -> Function:
+def compile_value(text: str, where: Where, names: Names) -> Evaluator:
     """Compile an expression to a function of slots. Raises UserError at the wrong column."""
     parser = _Parser(text, where, names)
     function = parser.expression()
@@ -82,7 +82,7 @@ def compile_value(text: str, where: Where, names: Names) -> Function:
     return lambda slots, event: bounded(function(slots, event))
 
 
-def compile_condition(text: str, where: Where, names: Names) -> Function:
+def compile_condition(text: str, where: Where, names: Names) -> Evaluator:
     """Compile an expression to a condition, true or false by ECMAScript's rules."""
     function = compile_value(text, where, names)
     return lambda slots, event: truth(function(slots, event))
@@ -199,7 +199,7 @@ class _Parser:
 
     # -- expressions, loosest first ---------------------------------------------------------
 
-    def expression(self) -> Function:
+    def expression(self) -> Evaluator:
         self.depth += 1
         if self.depth > MAX_NESTING:
             raise UserError("expression-too-deep", "this is nested too deeply", self.token.where)
@@ -212,19 +212,19 @@ class _Parser:
         self.depth -= 1
         return test
 
-    def either(self) -> Function:
+    def either(self) -> Evaluator:
         left = self.both()
         while self.accept("||"):
             left = _short(left, self.both(), until=True)
         return left
 
-    def both(self) -> Function:
+    def both(self) -> Evaluator:
         left = self.negation()
         while self.accept("&&"):
             left = _short(left, self.negation(), until=False)
         return left
 
-    def negation(self) -> Function:
+    def negation(self) -> Evaluator:
         """Python's ``not`` takes the whole comparison after it, unlike ``!``."""
         if self.count("not") % 2:
             operand = self.binary(0)
@@ -238,7 +238,7 @@ class _Parser:
             found += 1
         return found
 
-    def binary(self, level: int) -> Function:
+    def binary(self, level: int) -> Evaluator:
         if level == len(LEVELS):
             return self.unary()
         left = self.binary(level + 1)
@@ -246,7 +246,7 @@ class _Parser:
             left = _both(LEVELS[level][sign], left, self.binary(level + 1))
         return left
 
-    def unary(self) -> Function:
+    def unary(self) -> Evaluator:
         sign = self.accept("!", "-", "+")
         if sign is None:
             base = self.postfix()
@@ -261,7 +261,7 @@ class _Parser:
         factor = -1 if sign == "-" else 1
         return lambda s, e: factor * number(operand(s, e))
 
-    def postfix(self) -> Function:
+    def postfix(self) -> Evaluator:
         value = self.primary()
         while sign := self.accept(".", "["):
             if sign == ".":
@@ -274,7 +274,7 @@ class _Parser:
                 value = _both(item, value, index)
         return value
 
-    def primary(self) -> Function:
+    def primary(self) -> Evaluator:
         token = self.take()
         if token.kind == "number":
             text = token.text
@@ -294,15 +294,15 @@ class _Parser:
         what = "nothing follows" if token.kind == "end" else f"'{token.text}' cannot stand here"
         self.fail(token.where, what)
 
-    def elements(self, closing: str) -> list[Function]:
-        found: list[Function] = []
+    def elements(self, closing: str) -> list[Evaluator]:
+        found: list[Evaluator] = []
         while not self.accept(closing):
             if found:
                 self.expect(",")
             found.append(self.expression())
         return found
 
-    def name(self, token: _Token) -> Function:
+    def name(self, token: _Token) -> Evaluator:
         name = token.text
         if name in _WORDS:
             return _constant(_WORDS[name])
@@ -316,7 +316,7 @@ class _Parser:
         slot = self.slot(token)
         return lambda s, e: s[slot]
 
-    def is_in(self, token: _Token) -> Function:
+    def is_in(self, token: _Token) -> Evaluator:
         self.expect("(")
         state = self.take()
         self.expect(")")
@@ -327,7 +327,7 @@ class _Parser:
         index = self.names.states[id_]
         return lambda s, e: s[CONFIGURATION_SLOT] >> index & 1 == 1
 
-    def math(self) -> Function:
+    def math(self) -> Evaluator:
         self.expect(".")
         name = self.take()
         if name.text == "PI":
@@ -344,19 +344,19 @@ class _Parser:
         return lambda s, e: function(*(number(argument(s, e)) for argument in arguments))
 
 
-def _constant(value: Any) -> Function:
+def _constant(value: Any) -> Evaluator:
     return lambda s, e: value
 
 
-def _with(compute: Callable[[Any, Any], Any], left: Function, right: Any) -> Function:
+def _with(compute: Callable[[Any, Any], Any], left: Evaluator, right: Any) -> Evaluator:
     return lambda s, e: compute(left(s, e), right)
 
 
-def _both(compute: Callable[[Any, Any], Any], left: Function, right: Function) -> Function:
+def _both(compute: Callable[[Any, Any], Any], left: Evaluator, right: Evaluator) -> Evaluator:
     return lambda s, e: compute(left(s, e), right(s, e))
 
 
-def _short(left: Function, right: Function, until: bool) -> Function:
+def _short(left: Evaluator, right: Evaluator, until: bool) -> Evaluator:
     """``||`` and ``&&``: the value of the first operand that decides, or of the last."""
 
     def value(slots: list[Any], event: Mapping[str, Any] | None) -> Any:

@@ -32,7 +32,7 @@ _ATTRIBUTES = {
 """Beside ours; of a `send` every attribute is a key of the mission."""
 _SEND = {"event": "event", "id": "id", "delayexpr": "delay"}
 
-Entry = tuple[Scalar, YamlNode]
+YamlEntry = tuple[Scalar, YamlNode]
 
 
 def is_mission(root: Element) -> bool:
@@ -72,7 +72,7 @@ class _Importer:
                 entries.append(self.part(child))
         entries += self.history(element, path) if element.tag == "history" else ()
         entries += self.triggers(element, path) if element.tag != "history" else ()
-        inner: list[Entry] = []
+        inner: list[YamlEntry] = []
         for child in element.all(*_STATES):
             name = Scalar(_name(child, element), child.place("id"))
             inner.append((name, self.state(child, child.attributes["id"])))
@@ -80,7 +80,7 @@ class _Importer:
             entries.append((_key("states", element), Mapping(inner, element.where)))
         return Mapping(entries, element.where)
 
-    def head(self, element: Element, path: str) -> Iterator[Entry]:
+    def head(self, element: Element, path: str) -> Iterator[YamlEntry]:
         """The `type` and `initial` of a state."""
         if element.get("v:type") is not None:
             yield _key("type", element), _attribute(element, "v:type")
@@ -89,7 +89,7 @@ class _Importer:
         if element.get("initial") is not None:
             yield _key("initial", element), self.within(element, "initial", path)
 
-    def part(self, child: Element) -> Entry:
+    def part(self, child: Element) -> YamlEntry:
         """Read an element inside a state that stands for one of its keys. Raises UserError."""
         if child.tag in _BLOCKS:
             return _key(_BLOCKS[child.tag], child), self.actions(child.children)
@@ -101,7 +101,7 @@ class _Importer:
         message = f"<{child.tag}> is not part of a mission"
         raise UserError("not-supported", message, child.where)
 
-    def history(self, element: Element, path: str) -> Iterator[Entry]:
+    def history(self, element: Element, path: str) -> Iterator[YamlEntry]:
         if element.get("type") == "deep":
             yield _key("deep", element), Scalar("true", element.place("type"))
         for transition in element.all("transition"):
@@ -116,7 +116,7 @@ class _Importer:
 
     # -- transitions ------------------------------------------------------------------------
 
-    def triggers(self, element: Element, path: str) -> Iterator[Entry]:
+    def triggers(self, element: Element, path: str) -> Iterator[YamlEntry]:
         """The transitions of a state by kind; those of one trigger become its alternatives."""
         kinds: dict[str, list[tuple[Scalar, list[YamlNode]]]] = {}
         for transition in element.all("transition"):
@@ -136,7 +136,7 @@ class _Importer:
                 ((key, alternatives),) = triggers
                 yield key, Sequence(alternatives, key.where)
                 continue
-            entries: list[Entry] = []
+            entries: list[YamlEntry] = []
             for key, alternatives in triggers:
                 if any(key.text == other.text for other, _ in entries):
                     message = f"the alternatives of '{key.text}' must follow each other"
@@ -146,7 +146,7 @@ class _Importer:
 
     def transition(self, element: Element, path: str) -> YamlNode:
         _refuse_foreign(element)
-        entries: list[Entry] = []
+        entries: list[YamlEntry] = []
         ids = (element.get("target") or "").split()
         if ids:
             where = element.place("target")
@@ -191,7 +191,7 @@ class _Importer:
         return Sequence(blocks, where)
 
 
-def _action(element: Element) -> Entry:
+def _action(element: Element) -> YamlEntry:
     _refuse_foreign(element)
     read = _ACTIONS.get(element.tag)
     if read is not None:
@@ -201,27 +201,27 @@ def _action(element: Element) -> Entry:
     raise UserError("not-supported", f"<{element.tag}> is no action of a mission", element.where)
 
 
-def _raise(element: Element) -> Entry:
+def _raise(element: Element) -> YamlEntry:
     event = _attribute(element, "event")
     if element.get("v:with") is None:
         return _key("raise", element), event
     return _key("raise", element), Mapping([(event, _value(element, "v:with"))], event.where)
 
 
-def _send(element: Element) -> Entry:
-    entries: list[Entry] = [
+def _send(element: Element) -> YamlEntry:
+    entries: list[YamlEntry] = [
         (_key(_SEND.get(name, name.removeprefix("v:")), element), _value(element, name))
         for name in element.attributes
     ]
     return _key("send", element), Mapping(entries, element.where)
 
 
-def _several(element: Element) -> Entry:
+def _several(element: Element) -> YamlEntry:
     """A `set` or `append` of several variables at once."""
     return _named(element.tag[2:], element, element.all("assign"), "location")
 
 
-_ACTIONS: dict[str, Callable[[Element], Entry]] = {
+_ACTIONS: dict[str, Callable[[Element], YamlEntry]] = {
     "assign": lambda element: _named("set", element, [element], "location"),
     "v:set": _several,
     "v:append": _several,
@@ -269,9 +269,9 @@ def _attribute(element: Element, name: str) -> Scalar:
     return Scalar(text, element.place(name))
 
 
-def _named(key: str, element: Element, parts: Iterable[Element], name: str) -> Entry:
+def _named(key: str, element: Element, parts: Iterable[Element], name: str) -> YamlEntry:
     """A map whose names and values are the attribute ``name`` and the `expr` of elements."""
-    entries: list[Entry] = [(_attribute(part, name), _value(part, "expr")) for part in parts]
+    entries: list[YamlEntry] = [(_attribute(part, name), _value(part, "expr")) for part in parts]
     return _key(key, element), Mapping(entries, element.where)
 
 
@@ -317,7 +317,7 @@ def _shift(node: YamlNode, where: Where) -> YamlNode:
         case Sequence(items=items):
             return Sequence([_shift(item, where) for item in items], place)
         case Mapping(entries=entries):
-            moved: list[Entry] = []
+            moved: list[YamlEntry] = []
             for key, value in entries:
                 moved.append((replace(key, where=_moved(key.where, where)), _shift(value, where)))
             return Mapping(moved, place)

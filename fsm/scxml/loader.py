@@ -101,7 +101,7 @@ class _Loader:
         self.first_slot = FIRST_HOST_SLOT + len(vocabulary.names)
         self.states = Draft()
         self.elements: list[Element] = []
-        """By the index of the state."""
+        """The element of each state, by its index."""
         self.by_id: dict[str, StateDraft] = {}
         if root.get("binding") == "late":
             faults.fail("not-supported", "late binding is not supported", root.place("binding"))

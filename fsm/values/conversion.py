@@ -153,4 +153,4 @@ _CONVERTERS: Mapping[type[Type], Callable[[Any, Any], Any]] = {
     ListOf: _convert_list,
     MapOf: _convert_map,
 }
-"""By the type of the place; a value of any other place stays as it is."""
+"""Type of the place → conversion; values in places of other types stay as they are."""

@@ -181,7 +181,7 @@ def as_text(value: Any) -> str:
 
 
 @dataclass(frozen=True)
-class Function:
+class BuiltinFunction:
     """A callable of expressions: its code, how many arguments, and the rule of its type."""
 
     call: Callable[..., Any]
@@ -309,30 +309,30 @@ def _point_of(value: Any) -> Point:
     raise EvaluationError(f"{shown(value)} is no point")
 
 
-FUNCTIONS: dict[str, Function] = {
-    "abs": Function(abs, 1, 1, _same),
-    "min": Function(_extreme(min), 1, 99, _same_or_items),
-    "max": Function(_extreme(max), 1, 99, _same_or_items),
-    "clamp": Function(lambda x, low, high: max(low, min(high, x)), 3, 3, _same),
-    "sign": Function(_sign, 1, 1, _numeric(BARE)),
-    "round": Function(_round, 1, 2, _first),
-    "floor": Function(math.floor, 1, 1, _same),
-    "sqrt": Function(_sqrt, 1, 1, _root),
-    "sin": Function(math.sin, 1, 1, _angle_in),
-    "cos": Function(math.cos, 1, 1, _angle_in),
-    "atan2": Function(math.atan2, 2, 2, _numeric(Number(ANGLE))),
-    "hypot": Function(math.hypot, 2, 3, _same),
-    "wrap": Function(wrap, 1, 1, _angle_out),
-    "len": Function(len, 1, 1, _gives(Number(whole=True), ListOf, MapOf, Text)),
-    "any": Function(lambda values: any(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
-    "all": Function(lambda values: all(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
-    "sum": Function(lambda values: sum(map(number, values)), 1, 1, _items),
-    "mod": Function(lambda a, b: a % b, 2, 2, _same),
-    "point": Function(lambda x, y, z: Point(float(x), float(y), float(z)), 3, 3, _lengths),
-    "distance": Function(
+FUNCTIONS: dict[str, BuiltinFunction] = {
+    "abs": BuiltinFunction(abs, 1, 1, _same),
+    "min": BuiltinFunction(_extreme(min), 1, 99, _same_or_items),
+    "max": BuiltinFunction(_extreme(max), 1, 99, _same_or_items),
+    "clamp": BuiltinFunction(lambda x, low, high: max(low, min(high, x)), 3, 3, _same),
+    "sign": BuiltinFunction(_sign, 1, 1, _numeric(BARE)),
+    "round": BuiltinFunction(_round, 1, 2, _first),
+    "floor": BuiltinFunction(math.floor, 1, 1, _same),
+    "sqrt": BuiltinFunction(_sqrt, 1, 1, _root),
+    "sin": BuiltinFunction(math.sin, 1, 1, _angle_in),
+    "cos": BuiltinFunction(math.cos, 1, 1, _angle_in),
+    "atan2": BuiltinFunction(math.atan2, 2, 2, _numeric(Number(ANGLE))),
+    "hypot": BuiltinFunction(math.hypot, 2, 3, _same),
+    "wrap": BuiltinFunction(wrap, 1, 1, _angle_out),
+    "len": BuiltinFunction(len, 1, 1, _gives(Number(whole=True), ListOf, MapOf, Text)),
+    "any": BuiltinFunction(lambda values: any(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
+    "all": BuiltinFunction(lambda values: all(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
+    "sum": BuiltinFunction(lambda values: sum(map(number, values)), 1, 1, _items),
+    "mod": BuiltinFunction(lambda a, b: a % b, 2, 2, _same),
+    "point": BuiltinFunction(lambda x, y, z: Point(float(x), float(y), float(z)), 3, 3, _lengths),
+    "distance": BuiltinFunction(
         lambda a, b: distance(_point_of(a), _point_of(b)), 2, 2, _points(Number(LENGTH))
     ),
-    "bearing": Function(
+    "bearing": BuiltinFunction(
         lambda a, b: bearing(_point_of(a), _point_of(b)), 2, 2, _points(Number(ANGLE))
     ),
 }

@@ -68,7 +68,7 @@ _PACKERS: tuple[tuple[type | tuple[type, ...], Callable[[Any], Any]], ...] = (
     ((set, frozenset), lambda value: {f"${type(value).__name__}": _pack_all(value)}),
     (SimpleNamespace, lambda value: {"$namespace": pack(vars(value))}),
 )
-"""By the class of the value; the first that fits."""
+"""Class of the value → packing; the first match counts."""
 
 
 def unpack(packed: Any) -> Any:
@@ -111,4 +111,4 @@ _UNPACKERS: Mapping[str, Callable[[Any], Any]] = {
     "$namespace": lambda inside: SimpleNamespace(**unpack(inside)),
     "$record": lambda inside: _record(*inside),
 }
-"""By the key that stands for the kind of value."""
+"""Key of a packed value → unpacking."""

@@ -28,8 +28,8 @@ from hal.scene.surfaces import terrain_surface
 from hal.scene.textures import mipmap_of, uniform_image
 from hal.vehicle import Intrinsics
 from vencejo.geometry import Pose
-from worlds.model import World
 from worlds.things import Thing
+from worlds.world import World
 
 
 @dataclass(frozen=True, eq=False)

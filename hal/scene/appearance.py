@@ -25,9 +25,9 @@ def color_of(name: str) -> Color:
 
 
 ARM = 0.1785
-"""From an AR.Drone's centre to a rotor, metres."""
+"""Distance from an AR.Drone's centre to a rotor, metres."""
 SIZE = (0.52, 0.52, 0.12)
-"""Of the box about an AR.Drone with its hull, along its body axes, metres."""
+"""Bounding box of an AR.Drone with its hull, along its body axes, metres."""
 
 
 def quadrotor(name: str, *, arm: float = ARM, size: tuple[float, float, float] = SIZE) -> Thing:

@@ -15,8 +15,8 @@ from hal.scene.arrays import Float32s, Float64s, Pixels
 from hal.scene.scanlines import outlines_of, scan_convert
 from hal.scene.textures import Mipmap, load_image, uniform_image
 from vencejo.seeds import generator
-from worlds.model import Ground
 from worlds.things import Color, Stripe
+from worlds.world import Ground
 
 TILE_TEXELS = 256
 """Texels along a tile."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from vencejo.geometry import Pose
-from worlds.model import World
 from worlds.motion import pose_at
 from worlds.things import Thing
+from worlds.world import World
 
 
 class Scene:

@@ -48,7 +48,7 @@ class Surface:
     """(n, 3)."""
     faces: tuple[Face, ...]
     convex: bool = True
-    """Whether it bounds a convex solid."""
+    """True when it bounds a convex solid."""
     sphere_radius: float = 0.0
     """Above 0 for a sphere about the only vertex."""
 

@@ -20,7 +20,7 @@ def open_session(options: Options) -> Session:
     Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``cameras`` (see
     :func:`hal.sim.sensors.camera_spec.read_cameras`); ``sensors`` (see
     :func:`hal.sim.sensors.rangefinder.read_rangefinders`); ``renderer``, the name of one (see
-    :mod:`hal.renderers`); ``shadows``, whether images have them.
+    :mod:`hal.renderers`); ``shadows``, true to render shadows.
     Raises UserError for a world or settings that are wrong, VehicleError without pybullet.
     """
     if options.address is not None:

@@ -36,7 +36,7 @@ class Airframe:
     size: tuple[float, float, float] = SIZE
     """The box that collides with things, hull included, along the body's axes, metres."""
     max_thrust: float = 8.5
-    """All four motors together, newtons; about twice the weight."""
+    """Total of the four motors, newtons; about twice the weight."""
     drag_ratio: float = 0.0301
     """A rotor's drag torque over its thrust, metres (2.423e-7 / 8.048e-6, as identified)."""
     max_speed: float = 5.0
@@ -52,10 +52,10 @@ class Airframe:
     endurance: float = 12 * 60
     """Seconds of hovering on a full battery (the maker's figure)."""
     standby_power: float = 5.0
-    """Watts that the board draws with the motors off; an assumption."""
+    """Power that the board draws with the motors off, watts (assumed)."""
 
     steepest: float = 60 * pi / 180
-    """The largest tilt limit there may be, radians: the thrust of the motors carries no more."""
+    """Upper bound of the tilt limit, radians: the motors' thrust carries the weight up to there."""
     profiles: Mapping[str, Limits] = field(default_factory=lambda: PROFILES)
     """Named limits, altitudes above home."""
 
@@ -68,7 +68,7 @@ class Airframe:
     def max_torques(self) -> tuple[float, float]:
         """Largest torques about a horizontal body axis and about z, N·m.
 
-        Two motors give half of the whole thrust for it.
+        Half of the maximum thrust is available for it, by two motors.
         """
         half = self.max_thrust / 2
         return half * self.arm / 2, half * self.drag_ratio

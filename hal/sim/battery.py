@@ -1,4 +1,4 @@
-"""The battery, which thrust drains."""
+"""The battery: charge as a function of the thrust flown."""
 
 from __future__ import annotations
 
@@ -27,6 +27,6 @@ class Battery:
         return self.charge <= 0.0
 
     def drain(self, thrust: float, seconds: float) -> None:
-        """Take out the energy of a mean thrust (newtons, 0 with the motors off) for a time (s)."""
+        """Drain the energy of a mean thrust (newtons, 0 with the motors off) over a time (s)."""
         power = self._standby + self._factor * thrust**1.5
         self.charge = max(0.0, self.charge - power * seconds / self._capacity)

@@ -1,4 +1,4 @@
-"""The things behind Bullet's bodies: whose surface is at a place, and how it moves there."""
+"""Bullet's bodies and the things that they stand for: names and velocities at contacts."""
 
 from __future__ import annotations
 
@@ -18,30 +18,31 @@ class BodyPieces(NamedTuple):
 
     pieces: Sequence[Piece] = ()
     moves: bool = False
-    """The pieces of a body that moves are all of one thing."""
+    """True for a moving body, whose pieces all belong to one thing."""
 
 
 class BodyRegistry:
-    """The pieces of each body, by Bullet's number of the body."""
+    """The pieces of each body, by Bullet's body id."""
 
     def __init__(self, p: Any, client: int) -> None:
         self._p, self._client = p, client
         self._bodies: dict[int, BodyPieces] = {}
         self._names: dict[tuple[int, ...], str] = {}
-        """Names found before, by body and cell of space."""
+        """Cache of names, by body and cell of space."""
 
     def add(self, body: int, pieces: BodyPieces) -> None:
         self._bodies[body] = pieces
 
     def name_at(self, body: int, place: Triple) -> str:
-        """The name of the thing whose surface is at a place (world frame); empty for the ground.
+        """The name of the thing of a body that is touched at a place (world frame, metres).
 
-        Bullet does not tell which shape of a body a contact is with: it is the nearest one.
+        It is empty for the ground. Bullet does not report which shape of a body a contact is with:
+        it is the nearest one.
         """
         pieces, moves = self._bodies[body]
         if len(pieces) <= 1 or moves:
             return pieces[0].name if pieces else ""
-        # A vehicle that presses against a thing touches it in the same places, step after step.
+        # A vehicle that presses against a thing touches it in the same cells, step after step.
         cell = (body, *(round(v * _CELLS_PER_METRE) for v in place))
         if cell not in self._names:
             there = Point(*place)

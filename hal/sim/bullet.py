@@ -24,7 +24,7 @@ from hal.sim.collision_shapes import (
     ray_mesh,
 )
 from hal.sim.movers import Mover
-from hal.sim.physics import GRAVITY, STEP, Contacts, State, Triple
+from hal.sim.physics import GRAVITY, STEP, BodyState, Contacts, Triple
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
@@ -234,7 +234,7 @@ class BulletBody:
         self._client = client
         self._registry = registry
 
-    def state(self) -> State:
+    def state(self) -> BodyState:
         position, attitude = self._position()
         velocity, turning = self._velocity()
         return position, attitude, velocity, turning

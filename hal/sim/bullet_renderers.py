@@ -25,8 +25,8 @@ from hal.sim.bullet import load_pybullet, silenced
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
 from vencejo.geometry import Point, Pose
-from worlds.model import World
 from worlds.things import UPRIGHT, Color, Part, Sphere, Terrain, Texture, Thing
+from worlds.world import World
 
 FAR = 1000.0
 """Depth up to which things are seen, metres."""

@@ -21,7 +21,7 @@ class Piece(NamedTuple):
     """A shape in the frame of the body that it belongs to."""
 
     name: str
-    """Of the thing."""
+    """Name of the thing that it is part of."""
     shape: Shape
     at: Point
     attitude: Quaternion

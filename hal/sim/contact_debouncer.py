@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 _RELEASE = 20
-"""Mission periods without contact after which the next one is a new collision: 0.5 s. A vehicle
-that leans on a wall bounces off it and back again and again in less."""
+"""Release time of the debouncing in mission periods, 0.5 s: the time without contact after which
+the next contact is a new collision. A vehicle pressed against a wall bounces more often."""
 
 
 class ContactDebouncer:
@@ -12,18 +12,18 @@ class ContactDebouncer:
 
     def __init__(self) -> None:
         self.new: tuple[str, ...] = ()
-        """Names of what the vehicle began to touch in the period that ended last."""
+        """Names of the things that the vehicle began to touch in the last period."""
         self._touched: dict[str, None] = {}
-        """Names of what it touched in this period, in the order of contact."""
+        """Names of the things touched in this period, in the order of contact."""
         self._periods_left: dict[str, int] = {}
-        """For how many more periods a contact with that name is no new collision."""
+        """Name → number of further periods in which a contact is no new collision."""
 
     def add(self, names: tuple[str, ...]) -> None:
-        """Take in the names of what is in contact after a physics step."""
+        """Add the names of the things in contact after a physics step."""
         self._touched.update(dict.fromkeys(names))
 
     def end_period(self) -> None:
-        """End a mission period: :attr:`new` is then its collisions."""
+        """End a mission period and set :attr:`new` to its collisions."""
         if not self._touched and not self._periods_left:
             self.new = ()
             return

@@ -1,4 +1,4 @@
-"""Bodies in Bullet that follow the paths of moving things, and carry what stands on them."""
+"""Bodies in Bullet that follow the paths of moving things and carry bodies on top."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from worlds.motion import STRETCH, pose_at
 from worlds.things import Thing
 
 _MASS = 1e6
-"""In kg, and each moment of inertia in kg·m²: no vehicle pushes it off its path."""
+"""Mass in kg, and each moment of inertia in kg·m²: no vehicle pushes it off its path."""
 _STRETCH_STEPS = round(STRETCH / STEP)
-"""Physics steps of a stretch, on which it moves in a straight line."""
+"""Physics steps of a stretch, on which the body moves in a straight line."""
 
 
 class Mover:
-    """A body too heavy to be pushed, whose velocity takes it to the next place of its path.
+    """A body that follows the path of a thing, too heavy for vehicles to push.
 
-    The velocity is computed from where the body is, so no drift can grow. Friction carries what
-    stands on it along; a body that is put from place to place would slide away below.
+    Its velocity leads from its present pose to the next one on the path, so errors do not add up.
+    Friction carries bodies on top along, which a body that is moved by its pose alone does not do.
     """
 
     def __init__(self, p: Any, client: int, thing: Thing, pieces: Sequence[Piece]) -> None:
@@ -41,13 +41,13 @@ class Mover:
         )
 
     def drive(self, steps: int) -> None:
-        """Set the velocity for the next physics step; ``steps`` have been made before."""
+        """Set the velocity for the next physics step; ``steps`` were made before it."""
         if steps % _STRETCH_STEPS == 0:
             self._aim((steps + _STRETCH_STEPS) * STEP)
         self._p.resetBaseVelocity(self.body, self._velocity, self._turning, self._client)
 
     def _aim(self, time: float) -> None:
-        """Choose the velocities that lead to the pose on the path at a time, a stretch later."""
+        """Set the velocities that lead to the pose on the path at a time, one stretch ahead."""
         p, body, client = self._p, self.body, self._client
         (x, y, z), (i, j, k, w) = p.getBasePositionAndOrientation(body, client)
         target, attitude = pose_at(self._thing, time)

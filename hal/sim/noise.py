@@ -1,4 +1,4 @@
-"""Command noise: the difference between the velocity commanded and the one that is flown."""
+"""Command noise: random velocity added to the commanded one."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from random import Random
 _DRIFT = 0.03
 """Largest drift per axis, m/s."""
 _DRIFT_TIME = 200
-"""Mission periods for which one drift is held: 5 s."""
+"""Mission periods until the drift is drawn anew: 5 s."""
 _SMALL = 0.05
 """Largest noise per axis and mission period, m/s."""
 
 
 class CommandNoise:
-    """Uniform drift, held for a while, plus uniform noise of each period.
+    """Uniform drift, drawn every 5 s, plus uniform noise, drawn every mission period.
 
     The model and the figures of Gazebo's AR.Drone plugins (``motionDriftNoise``,
     ``motionDriftNoiseTime``, ``motionSmallNoise``).

@@ -1,4 +1,4 @@
-"""Heights of obstacles over a grid of cells: above them, no contacts are looked for."""
+"""A height grid of obstacles: above these heights contacts are impossible."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from worlds.things import Terrain, Thing
 _CELL = 2.0
 """Side of a cell, metres."""
 _MARGIN = 0.6
-"""A vehicle's half width and its way in one mission period, metres."""
+"""Half of a vehicle's width plus its way in one mission period, metres."""
 _LARGEST = 200.0
-"""Obstacles longer than this, metres, count in every cell."""
+"""Length above which an obstacle counts in every cell, metres."""
 
 
 class ObstacleHeightGrid:
-    """The height of the highest obstacle in each cell, with room for a vehicle about it.
+    """The height of the highest obstacle in each cell, with a margin for the vehicle.
 
-    World frame, metres. Things that move count along all of their path.
+    World frame, metres. Moving things count along their whole path.
     """
 
     def __init__(self, things: Iterable[Thing], terrain: Terrain | None) -> None:
         self.ground = _MARGIN + (max(map(max, terrain.heights)) if terrain else 0.0)
-        """Below this height a vehicle can touch the ground."""
+        """Height below which a vehicle can touch the ground, metres."""
         self._everywhere = -inf
         self._tops: dict[tuple[int, int], float] = {}
         for thing in things:
@@ -52,7 +52,7 @@ class ObstacleHeightGrid:
 
 
 class _Obstacle(NamedTuple):
-    """A rectangle on the ground and a height up to which there is something to touch."""
+    """A rectangle over the ground, and the height up to which contacts are possible in it."""
 
     low_x: float
     low_y: float
@@ -62,7 +62,7 @@ class _Obstacle(NamedTuple):
 
 
 def _obstacles(thing: Thing) -> Iterator[_Obstacle]:
-    """The obstacles that the parts of a thing are, with room for a vehicle about them."""
+    """The obstacle of each solid part of a thing, with a margin for the vehicle."""
     origin, margin = Point(0.0, 0.0, 0.0), _MARGIN
     for part in solid_parts(thing):
         if thing.motion is None:

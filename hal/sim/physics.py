@@ -1,4 +1,4 @@
-"""The seam to a physics engine: what the simulator asks of one, and no more."""
+"""The interface to a physics engine: all that the simulator needs of one."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ GRAVITY = 9.80665
 """Standard gravity, m/s²."""
 
 Triple = tuple[float, float, float]
-State = tuple[Triple, Quaternion, Triple, Triple]
-"""Position of the centre of mass, attitude (x, y, z, w), velocity, turn rates; world frame."""
+BodyState = tuple[Triple, Quaternion, Triple, Triple]
+"""Position of the centre of mass (m), attitude (x, y, z, w), velocity (m/s), angular velocity
+(rad/s); world frame."""
 
 
 class Contacts(NamedTuple):
-    """The contacts of a body, split by whether they carry it."""
+    """The contacts of a body: with what supports it, and others."""
 
     support_velocity: Triple | None = None
-    """Velocity of what is below the body, where they touch, m/s, world frame; None for nothing."""
+    """Velocity of the support at the contact, m/s, world frame; None without support."""
     beside: tuple[str, ...] = ()
-    """Names of the things and bodies it touches elsewhere; the ground has none."""
+    """Names of the things and bodies that touch it elsewhere; the ground has no name."""
 
 
 class RayHits(Protocol):
@@ -33,16 +34,16 @@ class RayHits(Protocol):
 
     @property
     def distances(self) -> Sequence[float]:
-        """Metres along each ray; infinite where it hit nothing."""
+        """Distance to the hit along each ray, metres; infinite for no hit."""
 
     def name(self, ray: int) -> str | None:
-        """The name of the thing that was hit: empty for the ground, None for nothing."""
+        """The name of the thing that a ray hit: empty for the ground, None for no hit."""
 
 
 class Body(Protocol):
     """A rigid body that moves freely."""
 
-    def state(self) -> State:
+    def state(self) -> BodyState:
         """Its pose and velocities after the last step."""
 
     def push(self, thrust: float, x: float, y: float, z: float) -> None:
@@ -52,7 +53,7 @@ class Body(Protocol):
         """Its contacts in the last step."""
 
     def supported(self) -> bool:
-        """Whether it touches something below it."""
+        """Whether a contact supports it, as of :meth:`contacts`."""
 
 
 class Physics(Protocol):
@@ -66,7 +67,7 @@ class Physics(Protocol):
         """The engine and its version."""
 
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
-        """Add what is solid; a thing that moves keeps to its path and carries what is on it."""
+        """Add solid things; a moving one follows its path and carries bodies that stand on it."""
 
     def add_body(
         self,
@@ -77,7 +78,7 @@ class Physics(Protocol):
         attitude: Quaternion,
         name: str = "",
     ) -> Body:
-        """Add a cuboid that moves freely, its centre of mass in its middle.
+        """Add a freely moving cuboid, with the centre of mass in its centre.
 
         ``mass`` is in kg, ``inertia`` about its own axes in kg·m², ``size`` along them in metres.
         """
@@ -86,17 +87,17 @@ class Physics(Protocol):
         """Advance by :data:`STEP`."""
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
-        """The place where a ray first hits the ground or a thing; it passes through free bodies."""
+        """The first hit of a ray with the ground or a thing; rays pass through free bodies."""
 
     def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> RayHits:
-        """The first hits of many rays, as :meth:`ray`."""
+        """The first hit of each of many rays (see :meth:`ray`)."""
 
     def close(self) -> None:
-        """Give the engine's memory back."""
+        """Release the engine's memory."""
 
 
 def in_body(vector: Triple, q: Quaternion) -> Point:
-    """A vector of the world frame in the axes of a body of that attitude (body to world)."""
+    """Rotate a vector from the world frame to the axes of a body (``q``: body to world)."""
     (a, b, c), (x, y, z, w) = vector, q
     # v + 2·w·(v × q) + 2·(v × q) × q: the rotation by the inverse of q.
     p, r, t = 2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)

@@ -1,29 +1,29 @@
-"""The poses of a vehicle at the last physics steps, for sensors that captured in the past."""
+"""The poses of a vehicle at the last physics steps, for the capture times of its sensors."""
 
 from __future__ import annotations
 
 from collections import deque
 
-from hal.sim.physics import STEPS_PER_SECOND, State
+from hal.sim.physics import STEPS_PER_SECOND, BodyState
 from vencejo.geometry import Point, Pose, product
 
 LONGEST_INTERVAL = 1.0
-"""Seconds: the slowest sensor captures this often."""
+"""Longest interval between two captures of a sensor, seconds."""
 _KEPT = round(STEPS_PER_SECOND * LONGEST_INTERVAL) + 8
 
 
 class PoseHistory:
-    """The states of one vehicle's body after the last physics steps; the newest is now."""
+    """The states of one vehicle's body after the last physics steps, the present one included."""
 
     def __init__(self) -> None:
-        self._states: deque[State] = deque(maxlen=_KEPT)
+        self._states: deque[BodyState] = deque(maxlen=_KEPT)
         self.append = self._states.append
-        """Take in the state after a step."""
+        """Add the state after a physics step."""
 
     def pose(self, steps_ago: int, offset: float = 0.0) -> Pose:
-        """The body's pose some steps ago, world frame.
+        """The body's pose some physics steps ago, world frame.
 
-        ``offset`` moves on from there at the velocities of that step, seconds; below 0, back.
+        ``offset`` extrapolates from there by seconds, at the velocities of that step.
         """
         at, attitude, velocity, turning = self._states[-1 - steps_ago]
         if offset:

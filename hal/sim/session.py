@@ -1,4 +1,4 @@
-"""An open simulator: a world, its vehicles and their common clock."""
+"""The session of the simulator: a world, its vehicles and their common clock."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from hal.sim.physics import Physics
 from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.rangefinder import SimRangefinder
 from hal.sim.settings import read_settings
-from hal.sim.vehicle import STEPS, SimVehicle
+from hal.sim.vehicle import STEPS_PER_PERIOD, SimVehicle
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
-from worlds.model import Start, World
 from worlds.solids import thing_near
+from worlds.world import Start, World
 
 _ABREAST = 2.0
-"""Vehicles beyond a world's starts stand this far along x from the one before, metres."""
+"""Distance along x between vehicles for which the world has no start of its own, metres."""
 
 
 class SimSession:
     """The vehicles of one world, in lockstep (see :class:`hal.vehicle.Session`)."""
 
     def __init__(self, options: Options, world: World, physics: Physics) -> None:
-        """Raises UserError for settings, names or places that cannot be."""
+        """Raises UserError for wrong settings, names of vehicles, or start poses."""
         settings = read_settings(options.settings)
         starts = start_poses(world, options.vehicles)
         airframe = Airframe()
@@ -99,7 +99,7 @@ class SimSession:
         return self._geographic
 
     def wait(self) -> float:
-        """Advance by six physics steps. Raises VehicleError when the session is closed."""
+        """Advance by one mission period, six physics steps. Raises VehicleError when closed."""
         if self._physics is None:
             raise VehicleError("closed", "the simulator is closed")
         vehicles, step = self._all, self._physics.step
@@ -107,7 +107,7 @@ class SimSession:
         for vehicle in vehicles:
             vehicle.plan()
         before, rangefinders = self._steps(), self._rangefinders
-        for steps in range(before + 1, before + STEPS + 1):
+        for steps in range(before + 1, before + STEPS_PER_PERIOD + 1):
             for drive in drives:
                 drive()
             step()
@@ -122,8 +122,8 @@ class SimSession:
         return PERIOD
 
     def _steps(self) -> int:
-        """Physics steps made so far."""
-        return self._count * STEPS
+        """Number of physics steps made."""
+        return self._count * STEPS_PER_PERIOD
 
     def __enter__(self) -> SimSession:
         return self
@@ -136,7 +136,10 @@ class SimSession:
 
 
 def start_poses(world: World, names: tuple[str, ...]) -> list[Start]:
-    """Where each vehicle begins. Raises UserError."""
+    """The start pose of each vehicle: the world's starts, then further ones beside the last.
+
+    Raises UserError (``bad-vehicles``, ``start-in-thing``).
+    """
     if not names or len(set(names)) != len(names):
         raise UserError("bad-vehicles", f"vehicles need names that differ, not {list(names)}")
     starts = list(world.starts[: len(names)])

@@ -1,4 +1,4 @@
-"""The settings that only the simulator knows (see :class:`hal.vehicle.Options`)."""
+"""The simulator's own settings (see :class:`hal.vehicle.Options`)."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ class Settings:
     """The simulator's settings, checked."""
 
     noise: float
-    """Scale of the command noise, 0 for none."""
+    """Factor of the command noise, 0 for none."""
     cameras: Mapping[str, CameraSpec]
-    """On every vehicle."""
+    """Name → camera, the same for every vehicle."""
     sensors: Mapping[str, RangefinderSpec]
-    """On every vehicle."""
+    """Name → rangefinder, the same for every vehicle."""
     renderer: str
     shadows: bool
-    """Whether things cast shadows on the ground in images."""
+    """True to render the shadows of things on the ground."""
 
 
 def read_settings(given: Mapping[str, object]) -> Settings:
-    """The settings from what was given, defaults for the rest.
+    """Check the given settings and complete them by defaults.
 
     Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-renderer``).
     """

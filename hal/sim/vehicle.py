@@ -1,4 +1,4 @@
-"""The simulated vehicle: its modes, and how it answers orders and set-points."""
+"""The simulated vehicle: its modes, orders and set-points."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.control import Controller
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
-from hal.sim.physics import Physics, State, in_body
+from hal.sim.physics import BodyState, Physics, in_body
 from hal.sim.pose_history import PoseHistory
 from hal.vehicle import (
     ACCEPTED,
@@ -32,29 +32,29 @@ from hal.vehicle import (
     Velocity,
 )
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
-from worlds.model import Start
+from worlds.world import Start
 
 _ORIGIN = Point(0.0, 0.0, 0.0)
-STEPS = 6
+STEPS_PER_PERIOD = 6
 """Physics steps in a mission period."""
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
 )
 _RETURN_HEIGHT = 5.0
-"""Height above home at which a return flies at least, metres."""
+"""Least height above home of a return, metres."""
 _AT_HOME = 0.5
-"""A vehicle that stands this near to home has returned, metres."""
+"""Distance from home within which a landed vehicle has returned already, metres."""
 _ARRIVED = 0.05
-"""A place this near is reached, metres."""
+"""Distance within which a place or height is reached, metres."""
 _TOUCHDOWN_SPEED = 0.3
-"""Descent in the last of a landing, m/s; higher up it is the height above ground per second."""
+"""Least descent of a landing, m/s; above 0.3 m it is 1/s times the height above ground."""
 
 
 class SimVehicle(BaseVehicle):
     """One vehicle in the simulator (see :class:`hal.vehicle.Vehicle`).
 
-    Its position is that of the point between the skids, right below the centre of mass: z is 0
+    Its position is that of the point between the skids, straight below the centre of mass: z is 0
     when it stands on the ground.
     """
 
@@ -69,7 +69,7 @@ class SimVehicle(BaseVehicle):
         noise: CommandNoise,
         obstacles: ObstacleHeightGrid | None,
     ) -> None:
-        """``obstacles`` tells where there is something to touch; without it that is everywhere."""
+        """``obstacles``: where contacts are possible; without it they are looked up always."""
         super().__init__(
             name,
             {
@@ -94,10 +94,10 @@ class SimVehicle(BaseVehicle):
             yaw_quaternion(start.heading),
             name,
         )
-        self._state: State = self._body.state()
+        self._state: BodyState = self._body.state()
         self.pose_history = PoseHistory()
-        self._keep = self.pose_history.append
-        self._keep(self._state)
+        self._add_pose = self.pose_history.append
+        self._add_pose(self._state)
         self.capabilities = CAPABILITIES
         self.cameras: Mapping[str, Camera] = {}
         self.sensors: Mapping[str, Sensor] = {}
@@ -112,29 +112,29 @@ class SimVehicle(BaseVehicle):
         """In this mission period."""
         self._battery = Battery(airframe, charge)
         self._noise = noise
-        self._footing = ContactTracker(physics, self._body, airframe.height, obstacles)
+        self._contacts = ContactTracker(physics, self._body, airframe.height, obstacles)
         self._home = start.at
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
         self._lights = self._lights_before = Lights()
-        self._lit_at = self._lit_before_at = 0.0
-        """Since when the lamps show that, and what they showed before, session's clock."""
+        self._lights_since = self._lights_before_since = 0.0
+        """Times at which the lamps' pattern and the one before began, session's clock, seconds."""
         self._holding = False
-        """Hold is the command in force."""
+        """True while the last set-point is Hold."""
         self._braking = False
-        """To stay where it stops, once it has stopped."""
-        self._target = 0.0
-        """World height that a take-off or a return climbs to, metres."""
-        self._thrust = 0.0
-        """Sum over the steps of the period, newtons."""
-        self._led: Point | None = None
-        """Feed-forward velocity commanded in the period before, m/s."""
-        self._leading: Point | None = None
-        """The same of this period."""
+        """True until the vehicle has come to rest, where it then holds its position."""
+        self._climb_height = 0.0
+        """Height to which a take-off or a return climbs, world frame, metres."""
+        self._thrust_sum = 0.0
+        """Sum of the thrust over the steps of the period, newtons."""
+        self._last_feed_forward: Point | None = None
+        """Feed-forward velocity of the last period's set-point, m/s."""
+        self._feed_forward: Point | None = None
+        """Feed-forward velocity of this period's set-point, m/s."""
         self._min_altitude = -inf
 
-    # What is known of it.
+    # Observation.
 
     def fit(self, cameras: Mapping[str, Camera], sensors: Mapping[str, Sensor]) -> None:
         """Mount cameras and sensors, by name."""
@@ -144,7 +144,7 @@ class SimVehicle(BaseVehicle):
 
     def _observed(self) -> Observation:
         (x, y, z), attitude, velocity, turning = self._state
-        mode, touched = self._mode, self._footing.touched
+        mode, touched = self._mode, self._contacts.touched
         stopped = mode == "stopped"
         # In the order of its fields: with their names it takes twice as long, in every period.
         return Observation._make(
@@ -157,7 +157,7 @@ class SimVehicle(BaseVehicle):
                 in_body(turning, attitude),
                 self._battery.charge,
                 self._armed,
-                not self._footing.supported,
+                not self._contacts.supported,
                 mode,
                 self._home,
                 self._health(),
@@ -174,10 +174,10 @@ class SimVehicle(BaseVehicle):
         )
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
-        """What its four lamps show at a time of the session's clock (see :mod:`hal.lights`)."""
-        if time < self._lit_at:
-            return self._lights_before.lamps(time - self._lit_before_at)
-        return self._lights.lamps(time - self._lit_at)
+        """The colours of its four lamps at a time of the session's clock (see hal.lights)."""
+        if time < self._lights_since:
+            return self._lights_before.lamps(time - self._lights_before_since)
+        return self._lights.lamps(time - self._lights_since)
 
     def _position(self) -> Point:
         x, y, z = self._state[0]
@@ -190,11 +190,11 @@ class SimVehicle(BaseVehicle):
         if self._mode == "stopped":
             problems += ("the motors were stopped in the air",)
         qx, qy, _, _ = self._state[1]
-        if self._footing.supported and 1 - 2 * (qx * qx + qy * qy) < 0.8:
+        if self._contacts.supported and 1 - 2 * (qx * qx + qy * qy) < 0.8:
             problems += ("the vehicle does not stand upright",)
         return problems
 
-    # What carries out each verb, at the beginning of the next period.
+    # The decision on each verb, made at the beginning of the next period.
 
     def _decide_arm(self) -> Decision:
         health = self._health()
@@ -204,20 +204,21 @@ class SimVehicle(BaseVehicle):
         return DONE
 
     def _decide_disarm(self) -> Decision:
-        if self._armed and not self._footing.supported:
+        if self._armed and not self._contacts.supported:
             return refused("the vehicle is in the air")
         if self._armed:
             self._stop_motors("the motors were stopped")
         return DONE
 
     def _decide_takeoff(self, altitude: float) -> Decision:
-        if self._mode in ("flying", "returning") and not self._footing.supported:
+        if self._mode in ("flying", "returning") and not self._contacts.supported:
             return DONE
         health = self._health()
         if health:
             return refused(", ".join(health))
         x, y, z = self._position()
-        ground = z if self._footing.supported else z - self._footing.free_below(self._state)
+        contacts = self._contacts
+        ground = z if contacts.supported else z - contacts.height_above_ground(self._state)
         if not 0 < altitude < inf:
             return refused(f"there is no altitude of {altitude:g} m")
         if ground + altitude > self._controller.max_altitude:
@@ -225,8 +226,8 @@ class SimVehicle(BaseVehicle):
             return refused(f"{round(ground + altitude, 2):g} m is above the limit of {limit:g} m")
         self._armed = True
         self._braking = False
-        self._target = ground + altitude
-        self._controller.fly_to(x, y, self._target)
+        self._climb_height = ground + altitude
+        self._controller.fly_to(x, y, self._climb_height)
         self._controller.turn(0.0)
         self._enter("taking-off")
         return UNDER_WAY
@@ -249,7 +250,7 @@ class SimVehicle(BaseVehicle):
         if self._mode in ("landed", "stopped"):
             return refused("the motors are stopped")
         height = max(self._position().z, self._home.z + _RETURN_HEIGHT)
-        self._target = min(height, self._controller.max_altitude)
+        self._climb_height = min(height, self._controller.max_altitude)
         self._brake()
         self._controller.turn(0.0)
         self._enter("returning")
@@ -261,31 +262,31 @@ class SimVehicle(BaseVehicle):
         return DONE
 
     def _decide_reset(self) -> Decision:
-        # An emergency ends by itself where it has come to rest, unless it lies on its back.
+        # An emergency ends by itself once the vehicle rests, unless it lies on its back.
         health = self._health()
         return refused(", ".join(health)) if health or self._mode != "landed" else DONE
 
     def _decide_trim(self) -> Decision:
-        # The simulated attitude is exact: to take it as level changes nothing.
+        # The simulated attitude has no error to trim.
         idle = self._mode == "landed" and not self._armed
         return DONE if idle else refused("the motors are running")
 
     def _decide_lights(self, lights: Lights) -> Decision:
-        self._lights_before, self._lit_before_at = self._lights, self._lit_at
-        self._lights, self._lit_at = lights, self._time
+        self._lights_before, self._lights_before_since = self._lights, self._lights_since
+        self._lights, self._lights_since = lights, self._time
         return DONE
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
-        self._footing.stir()
+        self._contacts.restart_rest()
         self._holding = False
-        # Take-off, landing and return lead through all heights.
+        # The lowest altitude does not bind take-off, landing and return.
         self._controller.min_altitude = -inf
 
     def _stop_motors(self, reason: str = "") -> None:
         self._armed = False
         self.orders.end(reason)
-        self._enter("landed" if self._footing.supported else "stopped")
+        self._enter("landed" if self._contacts.supported else "stopped")
 
     # Set-points.
 
@@ -293,7 +294,7 @@ class SimVehicle(BaseVehicle):
         """See BaseVehicle."""
         if self._mode == "stopped":
             return "the motors are stopped"
-        grounded = self._footing.supported and self._mode != "flying"
+        grounded = self._contacts.supported and self._mode != "flying"
         return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
 
     def fly(self, setpoint: Setpoint) -> None:
@@ -336,15 +337,15 @@ class SimVehicle(BaseVehicle):
         controller.turn(yaw_rate)
 
     def _follow(self, place: Point, velocity: Point) -> None:
-        # Set-points that come every period tell the acceleration too; one more is needed for it.
-        led = self._led or velocity
+        # The acceleration is that between the set-points of two successive periods.
+        led = self._last_feed_forward or velocity
         self._controller.fly_to(*place, velocity)
         self._controller.acceleration = (
             (velocity[0] - led[0]) / PERIOD,
             (velocity[1] - led[1]) / PERIOD,
             (velocity[2] - led[2]) / PERIOD,
         )
-        self._leading = velocity
+        self._feed_forward = velocity
 
     def _brake(self) -> None:
         self._controller.fly_at(0.0, 0.0, 0.0)
@@ -362,7 +363,7 @@ class SimVehicle(BaseVehicle):
             return Answer(False, f"the lowest altitude {low:g} m is above the highest {high:g} m")
         for name, value in given.items():
             if name == "min_altitude":
-                self._min_altitude = value  # it binds from the next set-point on
+                self._min_altitude = value  # binds from the next set-point on
             else:
                 setattr(self._controller, name, value)
         return ACCEPTED
@@ -379,53 +380,53 @@ class SimVehicle(BaseVehicle):
             raise Unavailable(f"the vehicle '{self.name}' has no sensor '{name}' (it has: {known})")
         return self.sensors[name]
 
-    # Time. A period is `plan`; six times `drive`, the engine's step and `sense`; then `update`.
+    # A mission period is `plan`; six times `drive`, the engine's step and `sense`; then `update`.
 
     def plan(self) -> None:
-        """Begin a mission period: decide on what it was told, and choose how to fly."""
+        """Begin a mission period: carry out orders and set-points, and plan the control."""
         self.begin_period()
         self._controller.plan(self._state)
-        self._footing.plan(self._state)
+        self._contacts.begin_period(self._state)
         self._motors_run = self._armed and self._mode != "landed"
-        self._may_touch = self._footing.beside and self._is_active()
+        self._may_touch = self._contacts.near_things and self._is_active()
 
     def drive(self) -> None:
-        """Push for the next physics step."""
+        """Apply thrust and torques for the next physics step."""
         if self._motors_run:
             thrust, x, y, z = self._control(self._state)
-            self._thrust += thrust
+            self._thrust_sum += thrust
             self._push(thrust, x, y, z)
 
     def sense(self) -> None:
-        """See where the step has led."""
+        """Read the state and the contacts after a physics step."""
         self._state = state = self._read_state()
-        self._keep(state)
+        self._add_pose(state)
         if self._may_touch:
-            self._footing.feel()
+            self._contacts.update()
 
     def _is_active(self) -> bool:
         return self._armed or self._mode != "landed"
 
     def update(self, time: float) -> None:
-        """End a mission period: what was reached, and what to do in the next."""
+        """End the mission period at ``time``: update the mode, and make the observation."""
         self._time = time
-        self._led, self._leading = self._leading, None
+        self._last_feed_forward, self._feed_forward = self._feed_forward, None
         self._controller.acceleration = (0.0, 0.0, 0.0)
-        self._battery.drain(self._thrust / STEPS, PERIOD)
-        self._thrust = 0.0
+        self._battery.drain(self._thrust_sum / STEPS_PER_PERIOD, PERIOD)
+        self._thrust_sum = 0.0
         active = self._is_active()
-        self._footing.end_period(self._state, active)
+        self._contacts.end_period(self._state, active)
         if active:
             self._update_mode()
         self.end_period(self._observed())
 
     def _update_mode(self) -> None:
         noise = self._noise.next()
-        self._controller.noise = (0.0, 0.0, 0.0) if self._footing.supported else noise
+        self._controller.noise = (0.0, 0.0, 0.0) if self._contacts.supported else noise
         if self._battery.empty and self._armed:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":
-            if self._position().z > self._target - _ARRIVED:
+            if self._position().z > self._climb_height - _ARRIVED:
                 self.orders.end()
                 self._enter("flying")
         elif self._mode == "landing":
@@ -433,18 +434,18 @@ class SimVehicle(BaseVehicle):
         elif self._mode == "returning":
             self._update_return()
         elif self._mode == "stopped":
-            if self._footing.settled():
+            if self._contacts.settled():
                 self._enter("landed")
         elif self._braking and Point(*self._state[2]).norm() < REST:
             self._controller.fly_to(*self._position())
             self._braking = False
 
     def _update_landing(self) -> None:
-        height = self._footing.free_below(self._state)
-        if self._footing.settled(on_an_edge=height >= _ARRIVED):
+        height = self._contacts.height_above_ground(self._state)
+        if self._contacts.settled(on_an_edge=height >= _ARRIVED):
             self._stop_motors()
             return
-        self._stay_where_it_stops()
+        self._hold_when_at_rest()
         controller = self._controller
         controller.climb_at(-max(_TOUCHDOWN_SPEED, min(height, controller.max_climb)))
 
@@ -454,13 +455,13 @@ class SimVehicle(BaseVehicle):
         if home < _ARRIVED:
             self._enter("landing")
         elif self._braking:
-            self._stay_where_it_stops()
-            controller.height = None if self._braking else self._target
-        elif position.z > min(self._target, controller.max_altitude) - _ARRIVED:
-            controller.fly_to(self._home.x, self._home.y, self._target)
+            self._hold_when_at_rest()
+            controller.height = None if self._braking else self._climb_height
+        elif position.z > min(self._climb_height, controller.max_altitude) - _ARRIVED:
+            controller.fly_to(self._home.x, self._home.y, self._climb_height)
 
-    def _stay_where_it_stops(self) -> None:
-        """Hold the place once the braking is over; the height is left alone."""
+    def _hold_when_at_rest(self) -> None:
+        """Hold the horizontal position once the vehicle has come to rest."""
         vx, vy, _ = self._state[2]
         if self._braking and Point(vx, vy, 0.0).norm() < REST:
             self._controller.stay_over(*self._position()[:2])

@@ -29,7 +29,7 @@ def airborne(height: float = 3.0) -> tuple[FakeSession, FakeVehicle]:
 
 
 def observed(vehicle: FakeVehicle) -> Observation:
-    """What a vehicle without a session reports after its first period."""
+    """The observation of a vehicle without a session after its first period."""
     vehicle.advance(PERIOD)
     return vehicle.observe()
 
@@ -140,7 +140,7 @@ class Rig:
 
     @property
     def states(self) -> list[str]:
-        """What was entered, the root left out."""
+        """The states entered, without the root."""
         return [fields["state"] for kind, fields in self.records if kind == "enter"][1:]
 
     @property

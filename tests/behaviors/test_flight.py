@@ -225,7 +225,7 @@ def test_pictures_are_taken_in_the_mission_frame() -> None:
     looked: list[tuple[str, Frame]] = []
     source = Source()
     channel = Channel(watching(source), FRAME, Random(0))
-    channel.looked = lambda name, frame: looked.append((name, frame))
+    channel.on_frame = lambda name, frame: looked.append((name, frame))
     through = channel.camera("front")
     assert through.latest() is None and looked == []
     source.newest = picture
@@ -239,7 +239,7 @@ def test_readings_are_told_where_they_become_visible() -> None:
     measured: list[tuple[str, Reading]] = []
     source = Source()
     channel = Channel(watching(source), FRAME, Random(0))
-    channel.measured = lambda name, reading: measured.append((name, reading))
+    channel.on_reading = lambda name, reading: measured.append((name, reading))
     through = channel.sensor("down")
     assert through.latest() is None and measured == []
     source.newest = Reading(1.0, {"range": 2.5})
@@ -272,7 +272,7 @@ def watching(source: Source) -> FakeVehicle:
     return vehicle
 
 
-# -- the hands of one behaviour -----------------------------------------------------------------
+# -- the access of one behaviour ----------------------------------------------------------------
 
 
 def flight(*controls: str) -> tuple[Flight, FakeVehicle]:

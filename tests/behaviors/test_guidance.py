@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from behaviors import Face
-from behaviors.guidance import ACCELERATION, BRAKING, LEASH, STILL, Reference, yaw_towards
+from behaviors.guidance import ACCELERATION, BRAKING, MAX_LEAD, STILL, Reference, yaw_towards
 from hal.fake import FakeVehicle
 from hal.vehicle import PERIOD, Observation
 from tests.behaviors.flying import observed
@@ -106,7 +106,7 @@ def test_it_waits_for_a_vehicle_that_does_not_follow() -> None:
     reference = Reference(STILL, STILL)
     for _ in range(400):
         reference.step(Point(50.0, 0.0, 0.0), 5.0, SEEN, PERIOD)
-    assert reference.position.x == pytest.approx(LEASH, abs=0.05)
+    assert reference.position.x == pytest.approx(MAX_LEAD, abs=0.05)
     assert reference.velocity.norm() < 0.01
 
 
@@ -122,7 +122,7 @@ def test_it_settles_to_the_speed_of_a_slow_vehicle(most: float) -> None:
         if period > 400:
             # No swinging about that speed.
             assert reference.velocity.x == pytest.approx(most, abs=0.05)
-            assert reference.position.x - place.x == pytest.approx(LEASH, abs=0.05)
+            assert reference.position.x - place.x == pytest.approx(MAX_LEAD, abs=0.05)
 
 
 def test_what_moves_it_off_its_line_goes_first() -> None:

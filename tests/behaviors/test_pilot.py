@@ -165,7 +165,7 @@ class Seek(Behavior):
     """Needs a point, and publishes what it has."""
 
     class Params(BehaviorParams):
-        """What for."""
+        """The place to seek."""
 
         to: Point = live()
 

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 import yaml
 
-from bench.conformance import DISPUTED, NoHost, cases, verdict
+from bench.conformance import DISPUTED, cases, verdict
+from bench.no_host import NoHost
 from fsm import Instance
 from fsm.scxml import advance, load_document, parse_document
 from tests.fsm.toy import graph_of

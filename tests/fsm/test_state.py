@@ -33,7 +33,7 @@ def test_every_field_of_the_state_is_saved() -> None:
 
 
 def test_nothing_but_its_state_changes_in_a_running_instance() -> None:
-    """What would change besides could not be saved."""
+    """A change anywhere else would not be saved."""
     run = begun(1)
     before = {name: id(value) for name, value in vars(run.instance).items()}
     for number in range(40):

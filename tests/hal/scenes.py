@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from hal.vehicle import Intrinsics
 from vencejo.geometry import Point, Pose, Quaternion, yaw_quaternion
-from worlds.model import Ground, Light, Start, World
 from worlds.things import (
     UPRIGHT,
     Color,
@@ -26,6 +25,7 @@ from worlds.things import (
     Texture,
     Thing,
 )
+from worlds.world import Ground, Light, Start, World
 
 GREEN = Ground((85, 130, 60), 200.0)
 NOWHERE = Point(0.0, 0.0, 0.0)
@@ -148,7 +148,7 @@ def look(
 
 
 def quaternion(turn: NDArray[np.float64]) -> Quaternion:
-    """Of a rotation matrix: the eigenvector of Bar-Itzhack's symmetric matrix (2000)."""
+    """The quaternion of a rotation matrix: an eigenvector of Bar-Itzhack's matrix (2000)."""
     (a, b, c), (d, e, f), (g, h, i) = turn
     symmetric = np.array(
         [

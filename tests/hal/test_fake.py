@@ -1,4 +1,4 @@
-"""What a test can let go wrong with the fake vehicle."""
+"""The faults that a test can cause in the fake vehicle."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def test_what_lamps_cannot_show_is_refused(settings: dict[str, object], hint: st
 
 
 def pixels(frame: Frame, rgb: tuple[int, int, int]) -> int:
-    """How many pixels have nearly that colour."""
+    """The number of pixels with nearly that colour."""
     away = np.abs(frame.image.astype(int)[..., ::-1] - rgb).max(-1)
     return int((away < 60).sum())
 

@@ -1,4 +1,4 @@
-"""What covers which pixels, against pybullet's software renderer."""
+"""The pixels that each thing covers, compared with pybullet's software renderer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How exact and how steady the pictures are."""
+"""The accuracy and steadiness of images."""
 
 from __future__ import annotations
 
@@ -33,7 +33,6 @@ from tests.hal.scenes import (
 from vencejo.errors import UserError
 from vencejo.geometry import Point, Pose, product, yaw_quaternion
 from worlds import figures
-from worlds.model import Ground, Light, World
 from worlds.things import (
     Cuboid,
     Fiducial,
@@ -46,6 +45,7 @@ from worlds.things import (
     Terrain,
     Thing,
 )
+from worlds.world import Ground, Light, World
 
 LENS = lens(320, 240)
 SKY = (230, 190, 150)

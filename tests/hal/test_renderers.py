@@ -18,8 +18,8 @@ from hal.vehicle import Intrinsics, Options
 from tests.hal.scenes import lens, look, thing_of, world_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point, Pose
-from worlds.model import World
 from worlds.things import UPRIGHT, Cuboid, Sphere, Thing
+from worlds.world import World
 
 ROOT = Path(__file__).parents[2]
 LENS = lens(32, 24)

@@ -23,7 +23,7 @@ from tests.hal.flying import LONG
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point, turned
-from worlds.model import World
+from worlds.world import World
 
 ROOT = Path(__file__).parents[2]
 AHEAD, DOWN = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
@@ -35,7 +35,7 @@ def session_on(world: World, vehicles: tuple[str, ...] = ("drone",), **settings:
 
 
 def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
-    """What a camera shows after each of some periods."""
+    """The frames of a camera after each of some periods."""
     found = []
     for _ in range(periods):
         session.wait()

@@ -1,4 +1,4 @@
-"""How well the controller flies; the figures are measured by the bench."""
+"""The accuracy of the controller; its figures are measured by the bench."""
 
 from __future__ import annotations
 

@@ -219,7 +219,7 @@ def test_what_is_no_run_folder_is_refused(folder: Path) -> None:
 
 
 def changed(folder: Path, name: str, before: str, after: str) -> str:
-    """What is said of a file after a change of its text."""
+    """The error about a run folder after a change in the text of a file."""
     text = (folder / name).read_text()
     assert before in text
     (folder / name).write_text(text.replace(before, after, 1))
@@ -419,7 +419,7 @@ def test_frames_come_back(data: st.DataObject) -> None:
             frame = Frame(image, number, number / 20, lens, *pose)
             pilot = pilot_of(ALONE, cast(Observation, None), [], [])
             recorder.follow(pilot)
-            pilot.channel.looked(camera, frame)
+            pilot.channel.on_frame(camera, frame)
             written.append((ALONE, camera, number, number / 20, *pose, lens))
         recorder.close()
         read = [

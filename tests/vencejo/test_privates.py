@@ -19,7 +19,7 @@ PACKAGES = (
     "cli",
 )
 PUBLIC = {"_replace", "_asdict", "_fields", "_make"}
-"""What every NamedTuple offers to all; the underscore only keeps it apart from field names."""
+"""Public names of every NamedTuple; their underscore avoids clashes with field names."""
 
 
 def private(name: str) -> bool:
@@ -27,7 +27,7 @@ def private(name: str) -> bool:
 
 
 def own_names(tree: ast.Module) -> set[str]:
-    """What a module defines: functions, classes, variables, fields, and attributes of `self`."""
+    """Names that a module defines: functions, classes, variables, fields, attributes of `self`."""
     names = set()
     for node in ast.walk(tree):
         match node:

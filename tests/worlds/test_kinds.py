@@ -1,4 +1,4 @@
-"""What the kinds of things are made of, and where they stand."""
+"""The parts of each kind of thing, and their places."""
 
 from __future__ import annotations
 

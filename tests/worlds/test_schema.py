@@ -18,7 +18,7 @@ SCHEMA = Draft202012Validator(world_schema())
 
 
 def plain(node: YamlNode) -> Any:
-    """What a YAML 1.2 reader makes of a file."""
+    """The values that a YAML 1.2 reader gives for a file."""
     if isinstance(node, Mapping):
         return {key.text: plain(value) for key, value in node}
     if not isinstance(node, Scalar):

@@ -1,7 +1,7 @@
-"""The simulated camera: when it takes images and from where.
+"""The simulated camera: capture times and poses of its images.
 
 An image shows the world at the capture time that the camera's own rate gives, but it is rendered
-only when somebody reads it: reading changes nothing else.
+only when it is read: reading changes nothing else.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from hal.sim.sensors.camera_spec import CameraSpec
 from hal.sim.sensors.sampling import Capture, newest_capture
 from hal.vehicle import Frame
 from vencejo.geometry import Pose, product, turned
-from worlds.model import World
 from worlds.things import Thing
+from worlds.world import World
 
 if TYPE_CHECKING:
     from hal.sim.sensors.lens import Lens
@@ -38,18 +38,18 @@ class RenderContext:
         self._name = renderer
         self._shadows = shadows
         self.seed = seed
-        """The run's; noise is drawn from it."""
+        """The run's seed, from which the noise is drawn."""
         self.pose_histories: dict[str, PoseHistory] = {}
-        """By vehicle."""
+        """Name of a vehicle → its poses."""
         self.appearances: dict[str, Thing] = {}
-        """Of vehicles, by their names, and of their lamps."""
+        """Appearance of each vehicle, by its name, and of its lamps."""
         self.lamps: dict[str, Callable[[float], Sequence[Rgb]]] = {}
-        """What each vehicle's lamps show at a time of the session's clock, seconds."""
+        """Name of a vehicle → colours of its lamps at a time of the session's clock, seconds."""
         self._renderer: Renderer | None = None
 
     @property
     def renderer(self) -> Renderer:
-        """Raises UserError when it cannot be opened."""
+        """The renderer, opened at the first call. Raises UserError when that fails."""
         if self._renderer is None:
             self._renderer = open_renderer(
                 self._name, self._world, self.appearances, shadows=self._shadows
@@ -73,7 +73,7 @@ class SimCamera:
         context: RenderContext,
         steps: Callable[[], int],
     ) -> None:
-        """``steps`` tells how many physics steps have been made."""
+        """``steps``: gives the number of physics steps made."""
         self._vehicle = vehicle
         self._name = name
         self._spec = spec

@@ -52,7 +52,9 @@ class CameraSpec:
 
     @cached_property
     def intrinsics(self) -> Intrinsics:
-        return Intrinsics.of_view(self.width, self.height, self.field_of_view, self.distortion)
+        return Intrinsics.from_field_of_view(
+            self.width, self.height, self.field_of_view, self.distortion
+        )
 
     @cached_property
     def attitude(self) -> Quaternion:
@@ -66,7 +68,7 @@ VENTRAL = CameraSpec(at=Point(0.0, 0.0, -0.04), tilt=pi / 2)
 DEFAULT_CAMERAS: Mapping[str, CameraSpec] = {"front": FRONT, "ventral": VENTRAL}
 
 _SETTINGS = {("view" if f.name == "field_of_view" else f.name): f.name for f in fields(CameraSpec)}
-"""The field that each setting of a camera is."""
+"""Setting of a camera → field of its specification."""
 _RANGES = {
     "pan": (-2 * pi, 2 * pi), "tilt": (-2 * pi, 2 * pi), "roll": (-2 * pi, 2 * pi),
     "width": (8, 4096), "height": (8, 4096), "rate": (SLOWEST, FASTEST), "view": (0.05, 2.8),
@@ -122,7 +124,7 @@ def _checked(name: str, spec: CameraSpec) -> CameraSpec:
 
 
 def _numbers(given: Any, *counts: int) -> bool:
-    """Whether something is a list of finite numbers, of one of these lengths."""
+    """Whether a value is a list of finite numbers, of one of these lengths."""
     try:
         return len(given) in counts and all(map(isfinite, given))
     except TypeError:

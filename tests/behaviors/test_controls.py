@@ -1,4 +1,4 @@
-"""Whose hands: several behaviours at work at once, and what each of them may do."""
+"""Behaviours that run at once: each commands only what it controls and raises its own events."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ states:
 
 @dataclass(frozen=True)
 class Rung:
-    """Who rang."""
+    """The fields of ``bell.rung``: the behaviour that rang."""
 
     by: str = ""
 
 
 @dataclass(frozen=True)
 class Count:
-    """How often it was stepped."""
+    """Number of its steps."""
 
     steps: int = 0
 
 
 class _Companion(Behavior):
-    """Runs beside what flies."""
+    """Runs beside the behaviour that flies."""
 
     outcomes: Mapping[str, type | None] = {}  # type: ignore[misc]
     controls = ()
