@@ -206,6 +206,10 @@ def test_the_frame_begins_at_home_or_where_the_vehicle_is() -> None:
     assert MissionFrame.at_start(stands).origin == stands.home
     assert MissionFrame.at_start(stands._replace(flying=True)).origin == START
     assert MissionFrame.at_start(stands._replace(home=HOME)).origin == START
+    # What is within 5 cm of home stands on it.
+    near, beside = (stands._replace(home=START.plus((0.0, y, 0.0))) for y in (0.049, 0.051))
+    assert MissionFrame.at_start(near).origin == near.home
+    assert MissionFrame.at_start(beside).origin == START
 
 
 def test_limits_count_from_home() -> None:

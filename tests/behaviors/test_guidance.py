@@ -144,6 +144,11 @@ HERE, AHEAD = Point(0.0, 0.0, 2.0), Point(0.0, 9.0, 2.0)
         ("travel", Point(0.1, 0.1, 9.0), 0.7),
         (Face(Point(-3.0, 0.0, 0.0)), AHEAD, pi),
         (Face(Point(0.0, 0.2, 0.0)), AHEAD, 0.7),
+        # Less than 0.3 m away nothing has a direction.
+        ("travel", Point(0.0, 0.29, 2.0), 0.7),
+        ("travel", Point(0.0, 0.31, 2.0), pi / 2),
+        (Face(Point(-0.29, 0.0, 0.0)), AHEAD, 0.7),
+        (Face(Point(-0.31, 0.0, 0.0)), AHEAD, pi),
         (4.0, AHEAD, 4.0 - 2 * pi),
     ],
 )

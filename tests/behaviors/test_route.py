@@ -119,6 +119,18 @@ def test_it_goes_on_where_it_was_when_its_state_was_left() -> None:
     assert [fields["index"] for _, fields in again.events] == [1, 2]
 
 
+def test_its_progress_is_known_from_the_first_step_on() -> None:
+    """Also when that step reaches the first point, and begins the way to the second."""
+    points = [Point(0.0, 0.0, 3.0), Point(9.0, 0.0, 3.0)]
+    solo = Solo("route", {"points": points})
+    solo.step()
+    progress = solo.activity.progress()
+    assert [fields["index"] for _, fields in solo.events] == [0]
+    assert progress["index"] == 1
+    assert progress["leg"]["target"] == list(points[1])
+    assert (progress["leg"]["nearest"], progress["leg"]["no_nearer"]) == (None, 0.0)
+
+
 def test_progress_beyond_the_route_is_its_end() -> None:
     solo = Solo("route", {"points": CORNERS}, progress={"index": 3})
     solo.run(1)

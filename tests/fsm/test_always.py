@@ -45,3 +45,28 @@ on: {error.livelock: safe}
     )
     run.run()
     assert [name for name, _ in run.instance.reactions] == ["error.livelock"]
+
+
+def test_a_livelock_s_way_out_that_does_not_rest_either_is_stopped() -> None:
+    """What the last round raised is forgotten, so that the next period begins in peace."""
+    run = Run(
+        """
+data: {n: 0}
+events: {my.own: {}}
+states:
+  a: {on: {word.said: {actions: {raise: my.own}}, my.own: {actions: {raise: my.own}}, error.livelock: b}}
+  b: {entry: {raise: my.own}, on: {my.own: {actions: {raise: my.own, set: {n: "${n + 1}"}}}, operator.abort: end}}
+  end: {type: final}
+"""
+    )
+    run.run()
+    run.post("word.said")
+    assert run.run() == ["b"]
+    assert run.take().count("error more than 1000 steps without coming to rest") == 1
+    taken = run.value("n")
+    assert taken == 1000
+    for _ in range(3):
+        assert run.run() == ["b"]
+        assert run.value("n") == taken
+    run.post("operator.abort").run()
+    assert run.instance.outcome == "done"

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
-from tests.fsm.toy import END, Run
+from tests.fsm.toy import END, VOCABULARY, Run, graph_of
 
 
 def test_a_behaviour_that_cannot_be_given_its_values_fails() -> None:
@@ -68,3 +69,46 @@ states:
     run.run(2)
     assert run.logged() == ["[7]"]
     assert run.activities[1].seen[0]["to"].x == 4.0
+
+
+def test_published_values_begin_blank_at_each_entry() -> None:
+    run = Run(
+        """
+data: {told: []}
+states:
+  a:
+    do: look
+    as: eye
+    entry: {append: {told: $eye.x}}
+    throughout: {append: {told: $eye.x}}
+    on: {word.said: b}
+  b: {on: {word.said: a, operator.abort: end}}
+  end: {type: final}
+""",
+        {"a": [SimpleNamespace(visible=True, x=float(n), tags=[]) for n in (1, 2, 3, 4)]},
+    )
+    run.run(3)
+    # The entry, then each period before that period's step.
+    assert run.value("told") == [0.0, 0.0, 1.0, 2.0]
+    run.post("word.said").run(1)
+    run.post("word.said").run(2)
+    assert run.value("told") == [0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 4.0]
+
+
+def test_a_behaviour_that_ended_leaves_what_it_published() -> None:
+    look = VOCABULARY.behaviors["look"]
+    seek = replace(look, name="seek", outcomes={"done": {}})
+    text = """
+states:
+  a:
+    do: seek
+    as: it
+    on: {done: {actions: {log: $it.x}}, word.said: {actions: {log: $it.x}}, operator.abort: end}
+  end: {type: final}
+"""
+    seen = SimpleNamespace(visible=True, x=2.5, tags=[])
+    vocabulary = replace(VOCABULARY, behaviors={**VOCABULARY.behaviors, "seek": seek})
+    run = Run(text, {"a": [seen, "done"]}, graph=graph_of(text, vocabulary))
+    run.run(3)
+    run.post("word.said").run(1)
+    assert run.logged() == ["2.5", "2.5"]

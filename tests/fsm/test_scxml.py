@@ -230,6 +230,43 @@ def test_a_loop_after_another_has_a_budget_of_its_own() -> None:
     assert document_run(body).logged() == ["10"]
 
 
+@pytest.mark.parametrize(
+    ("type_", "entered"),
+    [("", "inside"), ('type="shallow"', "inside"), ('type="deep"', "further")],
+)
+def test_a_history_is_shallow_unless_it_says_deep(type_: str, entered: str) -> None:
+    run = document_run(
+        '<state id="a" initial="inside"><transition event="out" target="b"/>'
+        f'<history id="h" {type_}><transition target="inside"/></history>'
+        '<state id="group" initial="inside"><state id="inside">'
+        '<transition event="on" target="further"/></state><state id="further"/></state></state>'
+        '<state id="b"><transition event="back" target="h"/></state>'
+    )
+    for event in ("on", "out", "back"):
+        run.instance.trigger(event)
+    assert run.instance.paths() == [entered]
+
+
+@pytest.mark.parametrize(
+    ("type_", "log"),
+    [
+        ("", ["out", "in"]),
+        ('type="external"', ["out", "in"]),
+        ('type="internal"', []),
+    ],
+)
+def test_a_transition_is_external_unless_it_says_internal(type_: str, log: list[str]) -> None:
+    run = document_run(
+        f'<state id="a" initial="b"><transition event="e" {type_} target="c"/>'
+        "<onentry><log expr=\"'in'\"/></onentry><onexit><log expr=\"'out'\"/></onexit>"
+        '<state id="b"/><state id="c"/></state>'
+    )
+    run.take()
+    run.instance.trigger("e")
+    assert run.logged() == log
+    assert run.instance.paths() == ["c"]
+
+
 def test_a_transition_of_the_whole_document() -> None:
     run = document_run('<transition event="e" target="b"/><state id="a"/><state id="b"/>')
     run.instance.trigger("e")

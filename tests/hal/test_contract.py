@@ -159,6 +159,21 @@ def test_an_observation_never_changes(session: Session) -> None:
         seen.time = 3.0  # type: ignore[misc]
 
 
+def test_velocity_and_rates_are_how_place_and_heading_change(session: Session) -> None:
+    standing = wait(session, 1)[-1]
+    assert standing.rates.norm() < 0.01 and standing.velocity.norm() < 0.01
+    take_off(session)
+    hovering = wait(session, 2, Hold())[-1]
+    assert hovering.rates.norm() < 0.02 and hovering.velocity.norm() < 0.02
+    before, *_, after = wait(session, 3, Velocity(x=1.0, y=-0.5, z=0.25, yaw_rate=0.5))[-41:]
+    assert after.time - before.time == pytest.approx(1.0)
+    assert distance(after.position.minus(before.position), after.velocity) < 0.02
+    assert wrap(after.yaw - before.yaw) == pytest.approx(after.rates.z, abs=0.02)
+    assert after.rates.z == pytest.approx(0.5, abs=0.02)
+    stopped = wait(session, 3, Hold())[-1]
+    assert stopped.rates.norm() < 0.02 and stopped.velocity.norm() < 0.02
+
+
 def test_satisfies_the_protocol(session: Session) -> None:
     vehicle = only(session)
     assert isinstance(vehicle, Vehicle)

@@ -212,6 +212,21 @@ def test_an_sdf_is_read(tmp_path: Path) -> None:
     assert isinstance(part.shape, Mesh) and volume(part.shape) == pytest.approx(2.0)
 
 
+def test_the_poses_of_an_sdf_follow_each_other(tmp_path: Path) -> None:
+    """The visual's is counted from its link, the link's from its model, the model's from all."""
+    (tmp_path / "m.sdf").write_text(
+        f"""<sdf version="1.6"><model name="m"><pose>1 2 3 0 0 {pi / 2}</pose>
+        <link name="l"><pose>1 0 0 0 {pi / 2} 0</pose>
+        <visual name="v"><pose>0 0 1 0 0 0</pose>
+        <geometry><box><size>1 2 3</size></box></geometry></visual></link></model></sdf>"""
+    )
+    (part,) = load_model(tmp_path / "m.sdf")
+    assert (part.shape, part.at) == (Cuboid(Point(1, 2, 3)), pytest.approx((1, 4, 3)))
+    # Pitched down in the link, which the model turns to the left.
+    assert turned((1, 0, 0), part.attitude) == pytest.approx((0, 0, -1))
+    assert turned((0, 1, 0), part.attitude) == pytest.approx((-1, 0, 0))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 import pytest
@@ -119,6 +120,89 @@ def test_final_history_parallel_and_initial_have_their_signs() -> None:
     assert _count(graph, "circle", "dot") == 4
     assert _count(graph, "path", "head") == len(draw(graph).lines)
     assert _count(graph, "rect", "active", ("outer", "outer.inner")) == 2
+
+
+def _numbers(element: ElementTree.Element, *names: str) -> tuple[float, ...]:
+    return tuple(float(element.get(name) or "nan") for name in names)
+
+
+def _points(path: ElementTree.Element) -> list[tuple[float, ...]]:
+    """The corners of a path, those of its curves included."""
+    pairs = re.findall(r"(-?[\d.]+) (-?[\d.]+)", path.get("d") or "")
+    return [tuple(map(float, pair)) for pair in pairs]
+
+
+def _texts(group: ElementTree.Element, kind: str) -> list[tuple[str, float, float]]:
+    return [
+        (element.text or "", *_numbers(element, "x", "y"))
+        for element in group.iter(f"{SVG}text")
+        if element.get("class") == kind
+    ]
+
+
+@pytest.mark.parametrize("text", [LOOPS, WORDS])
+def test_the_picture_shows_the_boxes_of_the_diagram(text: str) -> None:
+    graph = graph_of(text)
+    diagram, page = draw(graph), ElementTree.fromstring(write_svg(graph))
+    assert _numbers(page, "width", "height") == pytest.approx((diagram.width, diagram.height))
+    assert page.get("viewBox") == f"0 0 {diagram.width:g} {diagram.height:g}"
+    groups = {group.get("data-state"): group for group in page.iter(f"{SVG}g")}
+    for box in diagram.boxes:
+        group = groups[box.path]
+        if box.kind == "history":
+            (circle,) = group.iter(f"{SVG}circle")
+            x, y, radius = _numbers(circle, "cx", "cy", "r")
+            middle = box.x + box.width / 2, box.y + box.height / 2
+            assert (x, y, 2 * radius) == pytest.approx((*middle, box.width), abs=1e-3)
+            assert [word for word, *_ in _texts(group, "more")] == [box.name]
+            continue
+        border, *ring = group.iter(f"{SVG}rect")
+        place = box.x, box.y, box.width, box.height
+        assert _numbers(border, "x", "y", "width", "height") == pytest.approx(place, abs=1e-3)
+        assert len(ring) == (box.kind == "final")
+        for inner in ring:
+            x, y, width, height = place
+            within = x + 3, y + 3, width - 6, height - 6
+            assert _numbers(inner, "x", "y", "width", "height") == pytest.approx(within, abs=1e-3)
+        ((name, x, y),) = _texts(group, "name")
+        assert name == box.name and box.x < x < box.right and box.y < y < box.bottom
+        lines = _texts(group, "more")
+        assert [word for word, *_ in lines] == list(box.lines)
+        heights = [y, *(height for _, _, height in lines)]
+        assert heights == sorted(set(heights)) and heights[-1] < box.bottom
+
+
+@pytest.mark.parametrize("text", [LOOPS, WORDS])
+def test_the_picture_shows_the_lines_of_the_diagram(text: str) -> None:
+    graph = graph_of(text)
+    diagram, page = draw(graph), ElementTree.fromstring(write_svg(graph))
+    groups = [group for group in page.iter(f"{SVG}g") if group.get("data-state") is None]
+    joined = 0
+    for line, group in zip(diagram.lines, groups, strict=True):
+        path, head = group.iter(f"{SVG}path")
+        first, *_, end = _points(path)
+        assert first == pytest.approx(line.points[0], abs=1e-3)
+        # The tip of the head is where the line ends; the line itself ends at its base.
+        tip, left, right = _points(head)
+        (x, y), (_, before) = line.points[-1], line.points[-2]
+        base = y + 8 if y < before else y - 8
+        assert tip == pytest.approx((x, y), abs=1e-3)
+        assert (*left, *right) == pytest.approx((x - 4, base, x + 4, base), abs=1e-3)
+        joined += end != pytest.approx((x, base), abs=1e-3)
+        dots = [_numbers(dot, "cx", "cy", "r") for dot in group.iter(f"{SVG}circle")]
+        above = line.points[0][0], line.points[0][1] - 5, 5.0
+        assert dots == ([pytest.approx(above, abs=1e-3)] if line.dot else [])
+        label = line.label
+        words = _texts(group, "label")
+        assert [word for word, *_ in words] == list(label.lines if label else ())
+        for _, x, y in words:
+            assert label and x == pytest.approx(label.x, abs=1e-3)
+            assert label.y < y < label.y + label.height
+    assert joined < len(diagram.lines) / 2
+    borders = [path for path in page.iter(f"{SVG}path") if path.get("class") == "apart"]
+    assert [_points(path) for path in borders] == [
+        [pytest.approx(end, abs=1e-3) for end in ends] for ends in diagram.separators
+    ]
 
 
 def test_lines_that_have_joined_are_drawn_once() -> None:
