@@ -43,6 +43,7 @@ bench: .venv/dev
 
 images: .venv/dev
 	$(BIN)/python -m docs.draw_images
+	$(BIN)/python -m docs.draw_architecture
 
 clean:
 	rm -rf .venv

@@ -51,7 +51,7 @@ def _run_commands(text: str) -> None:
 
 
 def test_every_link_leads_somewhere() -> None:
-    for document in DOCUMENTS:
+    for document in [*DOCUMENTS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]:
         for target in re.findall(r"\]\(([^)#]+)\)", document.read_text("utf-8")):
             if "://" not in target:
                 assert (document.parent / target).exists(), f"{document.name}: {target}"
