@@ -291,13 +291,18 @@ class FakeVehicle(BaseVehicle):
         )
 
     def _moved(self, step: float) -> Point:
-        """Where its own motors, or the lack of them, take it in ``step`` seconds."""
-        if self._mode == "stopped":
-            return self.position.plus((0.0, 0.0, -_FALL * step))
-        if self._mode == "landing":
-            return self._towards(self.position._replace(z=self._ground), step)
-        if self._mode in ("taking-off", "returning"):
-            return self._towards(self._target, step)
+        """The position after ``step`` seconds without wind; with its motors stopped it falls."""
+        match self._mode:
+            case "stopped":
+                return self.position.plus((0.0, 0.0, -_FALL * step))
+            case "landing":
+                return self._towards(self.position._replace(z=self._ground), step)
+            case "taking-off" | "returning":
+                return self._towards(self._target, step)
+        return self._flown(step)
+
+    def _flown(self, step: float) -> Point:
+        """The position after ``step`` seconds by the set-point."""
         match self._setpoint:
             case Position() as place:
                 if place.yaw is not None:
