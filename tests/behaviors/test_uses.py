@@ -43,6 +43,14 @@ def refusal(folder: Path, *names: str) -> Fault:
     return fault
 
 
+def test_a_file_that_is_named_twice_runs_once(tmp_path: Path) -> None:
+    counts = "from pathlib import Path\nwith open(Path(__file__).parent / 'runs', 'a') as file:\n"
+    (tmp_path / "climb.py").write_text(CLIMB + counts + "    file.write('x')\n")
+    own = load_all(named(tmp_path, "climb.py", "./climb.py", "climb.py"))
+    assert list(own) == ["climb_to"]
+    assert (tmp_path / "runs").read_text() == "x"
+
+
 def test_an_own_behaviour_flies(tmp_path: Path) -> None:
     (tmp_path / "climb.py").write_text(CLIMB)
     own = load_all(named(tmp_path, "climb.py"))

@@ -135,3 +135,16 @@ def test_completion_knows_missions() -> None:
     assert "first_flight" in [item.value for item in complete.get_completions(["run"], "fir")]
     assert [item.value for item in complete.get_completions([], "ch")] == ["check"]
     assert [i.value for i in complete.get_completions(["run", "--backend"], "ma")] == ["mavlink"]
+
+
+@pytest.mark.parametrize(
+    ("list_", "word", "text"),
+    [("behaviors", "behavior", "help"), ("worlds", "world", "description")],
+)
+def test_the_lists_as_json_are_those_for_people(list_: str, word: str, text: str) -> None:
+    rows = json.loads(run_cli(list_, "--json").out)
+    assert rows and all(row.keys() == {word, text} and row[text] for row in rows)
+    names = [row[word] for row in rows]
+    assert len(set(names)) == len(names)
+    table = run_cli(list_).out.partition("\n\n")[0]
+    assert [line.split()[0] for line in table.splitlines()] == names
