@@ -47,7 +47,7 @@ SAVED = {
     *("origin", "origin_shift", "watch", "rng", "last"),
     *("outcome", "reason", "ended_for", "landing"),
 }
-"""What a saved flight holds besides its instance."""
+"""The keys that a saved flight has for the pilot, besides those of its instance."""
 
 
 class Pilot:

@@ -128,7 +128,7 @@ class Orders:
         self.under_way[order.verb] = order
 
     def end(self, reason: str = "", verbs: Set[str] = MOTION) -> None:
-        """What is under way of these verbs is done or, with a reason, refused."""
+        """End the orders under way of these verbs: as done or, with a reason, as refused."""
         if not self.under_way:
             return
         for verb in [verb for verb in self.under_way if verb in verbs]:

@@ -107,7 +107,7 @@ class SimVehicle(BaseVehicle):
             self._body.push,
             self._body.state,
         )
-        """What each physics step calls."""
+        """The calls of each physics step, looked up once."""
         self._motors_run = self._may_touch = False
         """In this mission period."""
         self._battery = Battery(airframe, charge)
