@@ -19,7 +19,6 @@ TESTS = (
     "tests/runner/test_recorder.py",
     "tests/runner/test_run_folder.py",
     "tests/hal/test_contract.py",
-    "tests/hal/test_sim_cameras.py",
     "tests/fsm",
 )
 
