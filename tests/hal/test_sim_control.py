@@ -8,9 +8,10 @@ from random import Random
 import pytest
 
 from bench.hold import hold, step, track, velocity_step, yaw_step
-from hal.vehicle import Hold, Limits, Position, Setpoint, Velocity
-from tests.hal.flying import LONG, hovering, wait
-from vencejo.geometry import Point, distance, roll_pitch_of
+from hal.sim import open_session
+from hal.vehicle import Hold, Limits, Options, Position, Setpoint, Velocity
+from tests.hal.flying import LONG, finish, hovering, take_off, wait
+from vencejo.geometry import Point, distance, horizontal_distance, roll_pitch_of
 
 
 def test_holds_within_a_millimetre() -> None:
@@ -137,3 +138,15 @@ def test_no_commands_make_it_tumble(seed: int) -> None:
                 wait(session, 10)
         vehicle.command(Position(Point(1.0, 2.0, 30.0)), LONG)
         assert distance(wait(session, 90)[-1].position, (1, 2, 30)) < 0.01
+
+
+def test_a_landing_comes_down_where_it_stopped() -> None:
+    """Command noise would carry a vehicle that only stands still by a tenth of a metre."""
+    for seed in range(3):
+        with open_session(Options(seed=seed, settings={"noise": 1.0})) as session:
+            vehicle = take_off(session, 12.0)
+            wait(session, 3, Velocity(x=2.0))
+            order = vehicle.land()
+            stopped = wait(session, 3)[-1].position
+            finish(session, order, 40)
+            assert horizontal_distance(vehicle.observe().position, stopped) < 0.05
