@@ -141,11 +141,18 @@ def test_names_are_taken_once(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text(CLIMB)
     fault = refusal(tmp_path, "a.py", "b.py")
     assert (fault.code, fault.where) == ("name-taken", Where("m.yaml", 3, 9))
-    assert "'climb_to'" in fault.message and fault.hint
+    assert fault.message == "'b.py' has a behaviour 'climb_to', but there is one already"
+    assert fault.hint == "give the class another name, or set its `name`"
     (tmp_path / "c.py").write_text(
         CLIMB.replace("class ClimbTo", "class Land").replace("ClimbTo", "Land")
     )
     assert refusal(tmp_path, "c.py").code == "name-taken"
+    (tmp_path / "d.py").write_text(
+        "from behaviors import action\n\n@action\ndef limits() -> None:\n    'Taken.'\n"
+    )
+    fault = refusal(tmp_path, "d.py")
+    assert fault.message == "'d.py' has a function 'limits', but there is one already"
+    assert fault.hint == "give the function another name"
 
 
 LEDS = """
