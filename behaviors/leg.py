@@ -121,7 +121,7 @@ class Leg:
         self.reference.step(target, speed, seen, flight.dt)
         flight.command(self.reference.setpoint(self.yaw))
         return Approach(
-            distance(seen.position, target), wrap(self.yaw - seen.yaw), flight.now - self.started
+            distance(seen.position, target), wrap(self.yaw - seen.yaw), seen.time - self.started
         )
 
     def arrived(self, flight: Flight, approach: Approach, arrival: Arrival) -> bool:

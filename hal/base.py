@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from math import inf, isfinite
+from math import inf
 from types import MappingProxyType
 from typing import Any, Generic, Self, TypeVar
 
@@ -145,7 +145,7 @@ class BaseVehicle:
         """See the contract. Raises ValueError for numbers that are not finite, or no validity."""
         if not is_finite(setpoint):
             raise ValueError(f"a set-point needs finite numbers: {setpoint}")
-        if not (isfinite(valid_for) and valid_for > 0):
+        if not 0.0 < valid_for < inf:
             raise ValueError(f"a set-point is valid for some seconds, not for {valid_for}")
         needed = _NEEDED.get(type(setpoint))
         if needed is not None and needed not in self.capabilities:

@@ -156,7 +156,8 @@ def is_finite(setpoint: Setpoint) -> bool:
         x, y, z = setpoint.xyz
         total = x + y + z + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
         if setpoint.velocity is not None:
-            total += sum(setpoint.velocity)
+            x, y, z = setpoint.velocity
+            total += x + y + z
     elif isinstance(setpoint, Velocity):
         total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate
     elif isinstance(setpoint, Attitude):

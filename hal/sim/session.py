@@ -60,7 +60,6 @@ class SimSession:
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        self._rangefinders: list[SimRangefinder] = []
         for vehicle in self._all:
             name = vehicle.name
             context.pose_histories[name] = vehicle.pose_history
@@ -78,9 +77,7 @@ class SimSession:
                 for sensor, spec in settings.sensors.items()
             }
             vehicle.fit(cameras, sensors)
-            self._rangefinders += sensors.values()
-        for rangefinder in self._rangefinders:
-            rangefinder.sample(0)
+            self._senses += [sensor.sense for sensor in sensors.values()]
 
     @property
     def vehicles(self) -> Mapping[str, SimVehicle]:
@@ -106,15 +103,12 @@ class SimSession:
         drives, senses = self._drives, self._senses
         for vehicle in vehicles:
             vehicle.plan()
-        before, rangefinders = self._steps(), self._rangefinders
-        for steps in range(before + 1, before + STEPS_PER_PERIOD + 1):
+        for _ in range(STEPS_PER_PERIOD):
             for drive in drives:
                 drive()
             step()
             for sense in senses:
                 sense()
-            for rangefinder in rangefinders:
-                rangefinder.sample(steps)
         self._count += 1
         time = self._count / PERIODS_PER_SECOND
         for vehicle in vehicles:

@@ -151,7 +151,7 @@ class SimVehicle(BaseVehicle):
             (
                 self._time,
                 Point(x, y, z - self._airframe.height),
-                Point._make(velocity),
+                Point(*velocity),
                 attitude,
                 wrap(yaw_of(attitude)),
                 in_body(turning, attitude),
@@ -292,10 +292,13 @@ class SimVehicle(BaseVehicle):
 
     def refusal(self) -> str:
         """See BaseVehicle."""
-        if self._mode == "stopped":
+        mode = self._mode
+        if mode == "flying":
+            return ""
+        if mode == "stopped":
             return "the motors are stopped"
-        grounded = self._contacts.supported and self._mode != "flying"
-        return "the vehicle is on the ground" if grounded or self._mode == "landed" else ""
+        grounded = self._contacts.supported or mode == "landed"
+        return "the vehicle is on the ground" if grounded else ""
 
     def fly(self, setpoint: Setpoint) -> None:
         """Let the controller follow a set-point."""

@@ -85,14 +85,21 @@ class SimRangefinder:
         self._physics = physics
         self._history = history
         self._last: Reading | None = None
+        self._steps = 0
+        """Physics steps that have been made."""
+        self._sample()
 
-    def sample(self, steps: int) -> None:
-        """Take a reading if one is due after so many physics steps; called after each of them.
+    def sense(self) -> None:
+        """Take a reading if one is due after a physics step; called after each of them.
 
         It is taken at once, read or not: later, what moves would be somewhere else.
         """
-        capture = newest_capture(self._spec.rate, steps)
-        if capture.step != steps:
+        self._steps += 1
+        self._sample()
+
+    def _sample(self) -> None:
+        capture = newest_capture(self._spec.rate, self._steps)
+        if capture.step != self._steps:
             return
         at, attitude = self._history.pose(0)
         end = at.plus(turned((0.0, 0.0, -self._spec.max_range), attitude))
