@@ -128,6 +128,8 @@ class Pilot:
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered function (see fsm.Host)."""
         if name in HOST_FUNCTIONS:
+            if self.instance.is_controlled(name):
+                raise EvaluationError(f"a behaviour controls the {name} now")
             _, run = HOST_FUNCTIONS[name]
             run(self.channel, **arguments)
             return

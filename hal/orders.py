@@ -129,16 +129,12 @@ class Orders:
 
     def end(self, reason: str = "", verbs: Set[str] = MOTION) -> None:
         """End the orders under way of these verbs: as done or, with a reason, as refused."""
-        if not self.under_way:
-            return
         for verb in [verb for verb in self.under_way if verb in verbs]:
             order = self.under_way.pop(verb)
             order.state, order.reason = ("refused", reason) if reason else ("done", "")
 
     def expire(self, now: float) -> None:
         """Give up what was not answered, or not done, in its time (session's clock, seconds)."""
-        if not self.sent and not self.under_way:
-            return
         for order in self.sent:
             if _age(order, now) >= ANSWER_WITHIN:
                 order.state, order.reason = "lost", f"no answer within {ANSWER_WITHIN:g} s"

@@ -214,6 +214,16 @@ def test_lights_are_controlled_beside_motion() -> None:
     assert Velocity(x=2.0, frame="heading") in rig.vehicle.commands
 
 
+def test_a_mission_does_not_take_the_lights_from_a_behaviour_that_controls_them() -> None:
+    text = two("lamp", 'error.execution: {actions: {log: "$event.message"}}')
+    calls = "{entry: {call: {lights: {pattern: off}}}, after: {1 s: land}}"
+    rig = Rig(text.replace("{after: {1 s: land}}", calls), own=OWN)
+    rig.run(40)
+    assert rig.pilot.outcome == "done"
+    assert logged(rig) == ["call: a behaviour controls the lights now"]
+    assert rig.vehicle.shown == [Lights("solid", "blue")]
+
+
 def test_a_command_in_a_stop_is_an_error_and_not_flown() -> None:
     text = two("", 'error.execution: {actions: {log: "$event.message"}}')
     text = text.replace("do: \n    ", "")

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from hal import Options, Session
+from hal.backends import not_heard
 from runner.run_folder import TELEMETRY_COLUMNS
 from tests.cli.run_cli import run_cli
 
@@ -191,6 +193,21 @@ def test_limits_hold_above_home(hop: str, limits: list[str], refusal: str | None
     reason = json.loads(result.out)["reason"]
     assert result.code == (1 if refusal else 0)
     assert reason == (f"nothing handled failed: {refusal}" if refusal else None)
+
+
+def test_the_address_reaches_the_backend(hop: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[Options] = []
+
+    def opened(name: str, options: Options) -> Session:
+        told.append(options)
+        raise not_heard("drone", options)
+
+    monkeypatch.setattr("runner.loop.open_backend", opened)
+    result = run_cli("run", hop, "--connect", "udpin:127.0.0.1:14540")
+    assert result.code == 3
+    assert "nothing was heard of 'drone' at 'udpin:127.0.0.1:14540' within 10 s" in result.err
+    assert [options.address for options in told] == ["udpin:127.0.0.1:14540"]
+    assert not Path("runs").exists()
 
 
 def test_mavlink_is_not_there_yet(hop: str) -> None:
