@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from dataclasses import asdict, dataclass, replace
@@ -11,6 +10,7 @@ from typing import Any
 import click
 
 from cli.options import MissionName
+from cli.output import echo_json
 from fsm import Graph
 from fsm.language.reader import FLEET
 from hal import backend_capabilities
@@ -71,7 +71,7 @@ def check(
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
     if as_json:
-        click.echo(json.dumps([_shown(report) for report in reports], ensure_ascii=False))
+        echo_json([_shown(report) for report in reports])
     else:
         for report in reports:
             _print(report, strict)

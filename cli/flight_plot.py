@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 from runner.run_folder import Run, Sample, read_run
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, cannot_write
 
 NAME = "flight.png"
 
@@ -85,6 +86,12 @@ def draw(folder: Path) -> Path:
         figure.legend(loc="outside lower center", ncols=min(6, len(states) + 1), fontsize=9)
     missions = dict.fromkeys(mission.name for mission in run.header.missions.values())
     figure.suptitle(f"{', '.join(missions)} in {run.header.world}")
-    path = folder / NAME
-    figure.savefig(path, dpi=110)
+    image, path = BytesIO(), folder / NAME
+    figure.savefig(image, format="png", dpi=110)
+    try:
+        path.write_bytes(image.getbuffer())
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        message = "this picture cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(path))) from None
     return path

@@ -12,6 +12,7 @@ import click
 
 from cli.look import VIEWS
 from cli.options import MissionName, Viewpoint, Word, renderer_option, shadows_option
+from cli.output import echo_json
 from fsm import BehaviorInfo, Parameter
 from hal.renderers import show_window
 from runner import missions as known
@@ -50,7 +51,7 @@ def missions(name: str | None, copy: bool, as_json: bool) -> None:
     if as_json:
         parameters = {p.name: _parameter(p) for p in graph.parameters.values()}
         facts = {"mission": graph.name, "description": graph.description, "world": graph.world}
-        click.echo(json.dumps({**facts, "file": str(found.path), "parameters": parameters}))
+        echo_json({**facts, "file": str(found.path), "parameters": parameters})
         return
     click.echo(f"{graph.name}: {graph.description}\n  file   {found.shown_as}")
     click.echo(f"  world  {graph.world or 'empty'}")
@@ -63,7 +64,7 @@ def _list_missions(as_json: bool) -> None:
     rows = [(name, *_about(path)) for name, path in known.names().items()]
     if as_json:
         facts = [{"mission": n, "description": text, "fleet": fleet} for n, text, fleet in rows]
-        click.echo(json.dumps(facts))
+        echo_json(facts)
     else:
         _table([(name, f"(fleet) {text}" if fleet else text) for name, text, fleet in rows])
         click.echo("\ndrone-cli run NAME flies one, drone-cli missions NAME tells more.")
@@ -138,7 +139,7 @@ def behaviors(name: str | None, as_json: bool) -> None:
     if name is None:
         rows = [(key, _plain(catalog[key].help).partition("\n")[0]) for key in catalog]
         if as_json:
-            click.echo(json.dumps([{"behavior": key, "help": text} for key, text in rows]))
+            echo_json([{"behavior": key, "help": text} for key, text in rows])
         else:
             _table(rows)
             click.echo("\ndrone-cli behaviors NAME tells its parameters and outcomes.")
@@ -148,7 +149,7 @@ def behaviors(name: str | None, as_json: bool) -> None:
             "unknown-behaviour", f"there is no behaviour '{name}'", hint=nearest(name, catalog)
         )
     if as_json:
-        click.echo(json.dumps(_behavior_facts(catalog[name])))
+        echo_json(_behavior_facts(catalog[name]))
     else:
         _explain(catalog[name])
 
@@ -241,7 +242,7 @@ def worlds(
     elif gui:
         show_window(world)
     elif as_json:
-        click.echo(json.dumps(_world_facts(world)))
+        echo_json(_world_facts(world))
     else:
         _describe_world(world)
 
@@ -249,7 +250,7 @@ def worlds(
 def _list_worlds(as_json: bool) -> None:
     rows = [(key, find_world(key).description) for key in world_names()]
     if as_json:
-        click.echo(json.dumps([{"world": key, "description": text} for key, text in rows]))
+        echo_json([{"world": key, "description": text} for key, text in rows])
         return
     _table(rows)
     click.echo("\ngenerated, by number (roads:17):")

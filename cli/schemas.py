@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import click
 
 from behaviors import drone_vocabulary
+from cli.output import echo_json
 from fsm.schema import mission_schema
 from worlds.world_schema import world_schema
 
@@ -25,4 +24,4 @@ def schema(worlds: bool) -> None:
       # yaml-language-server: $schema=mission.schema.json
     """
     found = world_schema() if worlds else mission_schema(drone_vocabulary())
-    click.echo(json.dumps(found, ensure_ascii=False, indent=2))
+    echo_json(found, indent=2)

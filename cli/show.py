@@ -11,7 +11,7 @@ from cli.options import MissionName, Word
 from fsm import Graph
 from runner import missions
 from runner.preparation import prepare
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, cannot_write
 
 WRITERS = {
     "text": "fsm.drawing:write_text",
@@ -47,8 +47,7 @@ def show(mission: str, format_: str, world: str | None, output: str | None) -> N
     try:
         Path(output).write_text(text, encoding="utf-8")
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise UserError("unwritable", f"cannot write '{output}': {reason}", Where(output)) from None
+        raise cannot_write(error, "unwritable", f"cannot write '{output}'", Where(output)) from None
 
 
 def _written(graph: Graph, format_: str) -> str:

@@ -163,8 +163,8 @@ class _Log:
 
     def __init__(self, recorder: Recorder | None) -> None:
         self._recorder = recorder
-        self.failure: UserError | None = None
-        """The error that stopped the writing; None for none."""
+        self.failure = ""
+        """The fault that stopped the writing; empty for none."""
 
     def begin(self, header: Header, crafts: Iterable[_Craft]) -> None:
         if self._recorder is not None:
@@ -176,24 +176,23 @@ class _Log:
         """The records of a pilot, written, with the row of telemetry of its ``period``; none where
         they cannot be.
         """
-        if self._recorder is None or self.failure is not None:
+        if self._recorder is None or self.failure:
             records, pilot.instance.records = pilot.instance.records, []
             return records
+        records = pilot.instance.records
         try:
             return self._recorder.take(pilot) if period else self._recorder.take_records(pilot)
         except UserError as error:
-            self.failure = error
-            return []
-
-    def end(self) -> None:
-        """Make sure that everything is on disk. Raises UserError when something is not."""
-        if self.failure is not None:
-            raise self.failure
-        self.close()
+            self.failure = str(error)
+            return records
 
     def close(self) -> None:
+        """Have everything on disk after this, or the reason in ``failure``."""
         if self._recorder is not None:
-            self._recorder.close()
+            try:
+                self._recorder.close()
+            except UserError as error:
+                self.failure = self.failure or str(error)
 
 
 @dataclass(frozen=True)
@@ -213,8 +212,8 @@ def fly(
 
     ``record`` makes the recorder once nothing can keep the flight from starting any more.
     ``stops`` asks every mission to stop, then lands every vehicle.
-    Raises VehicleError when a vehicle cannot be had, UserError when one cannot fly this, or, after
-    all have landed, when the flight could not be recorded. What fails later is in the summary.
+    Raises VehicleError when a vehicle cannot be had, UserError when one cannot fly this. What fails
+    later is in the summary.
     """
     pace, stops = pace or Pace(None), stops or _Never()
     options = Options(
@@ -240,7 +239,7 @@ def fly(
             for craft in aloft:
                 craft.period(dt)
             _show(aloft, log, watchers)
-            if log.failure is not None:
+            if log.failure:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
                 _stop(aloft, at_once=True)
             if pace.factor is not None:
@@ -254,10 +253,10 @@ def fly(
                         craft.lose(error)
                     _show(aloft, log, watchers, period=False)
                     break
-        log.end()
+        log.close()
         wall_time = time.perf_counter() - began
         flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
-        return Summary(header, flown, wall_time, answered > 0, known)
+        return Summary(header, flown, wall_time, answered > 0, known, log.failure)
 
 
 def _show(

@@ -172,8 +172,8 @@ def test_a_run_that_cannot_be_recorded_any_more_lands_all(
         return taken(self, pilot)
 
     monkeypatch.setattr(Recorder, "take", full_for_the_mouse)
-    with pytest.raises(UserError, match="no room"):
-        fly(two(tmp_path, LONG, LONG), lambda: Recorder(tmp_path), [witness])
+    summary = fly(two(tmp_path, LONG, LONG), lambda: Recorder(tmp_path), [witness])
+    assert (summary.unrecorded, summary.exit_code) == ("error: no room [cannot-record]", 4)
     for name in ("cat", "mouse"):
         heights = [(time, z) for time, who, z in witness.shown if who == name]
         assert max(z for _, z in heights) > 1.5
