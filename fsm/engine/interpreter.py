@@ -8,6 +8,10 @@ the transitions' own actions run, states are entered with their data, entry acti
 and timers. Then come ``always`` transitions and raised events until nothing moves, which makes a
 *macrostep*.
 
+The configuration changes state by state (W3C section 3.13): a state is active while its exit
+actions run and no longer after them, and becomes active just before its entry actions. So
+``active(…)`` in an action, and callbacks that ask, see what has happened so far in the step.
+
 When events, conditions and timers have their turn is decided in :mod:`fsm.engine.instance`.
 """
 
@@ -84,7 +88,7 @@ class Interpreter:
     @property
     def active(self) -> Sequence[Node]:
         """All active states in document order."""
-        return self.state.configuration.states
+        return self._configurations[self.slots[CONFIGURATION_SLOT]].states
 
     @property
     def ended(self) -> bool:
@@ -112,14 +116,14 @@ class Interpreter:
 
     def paths(self) -> list[str]:
         """The active leaf states, in document order."""
-        return [leaf.path for leaf in self.state.configuration.leaves]
+        return [node.path for node in self.active if not node.children]
 
     def is_active(self, path: str) -> bool:
         """Whether a state is active. Raises KeyError for a path that does not exist."""
         return self._is_active(self.graph.by_path[path])
 
     def _is_active(self, node: Node) -> bool:
-        return bool(self.state.configuration.mask >> node.index & 1)
+        return bool(self.slots[CONFIGURATION_SLOT] & node.mask)
 
     # -- events -----------------------------------------------------------------------------
 
@@ -180,7 +184,7 @@ class Interpreter:
         states = (root, *found.states)
         mask = state.configuration.mask_after((), states)
         entry = Entry(states, mask, tuple(found.histories), found.defaults)
-        state.settle(self._configurations[mask])
+        state.configuration = self._configurations[mask]
         for node in states:
             self._enter(node, NOTHING, entry)
         self.stabilise()
@@ -192,7 +196,7 @@ class Interpreter:
         self._callback_data = None
         for node in reversed(state.configuration.states):
             self._exit(node, NOTHING)
-        state.settle(self._configurations[0])
+        state.configuration = self._configurations[0]
 
     def macrostep(self, event: Event) -> bool:
         """Process one event until the graph is stable; whether it took a transition."""
@@ -360,7 +364,6 @@ class Interpreter:
         for memory in memories:
             memory.keep_data(self.slots)
         state.configuration = self._configurations[entry.mask]
-        self.slots[CONFIGURATION_SLOT] = entry.mask
         for node in entry.states:
             self._enter(node, event, entry)
         for edge in edges:
@@ -386,6 +389,7 @@ class Interpreter:
     def _enter(self, node: Node, event: Event, entry: Entry) -> None:
         state, slots = self.state, self.slots
         index = node.index
+        slots[CONFIGURATION_SLOT] |= node.mask
         slots[node.entered_slot] = slots[TIME_SLOT]
         state.entries[index] = state.entry_count = state.entry_count + 1
         if node.fills:
@@ -478,6 +482,7 @@ class Interpreter:
         if node.waits:
             state.conditions.pop(index, None)
             state.timers.pop(index, None)
+        self.slots[CONFIGURATION_SLOT] ^= node.mask
         self.records.append(node.leaving)
 
     # -- outcomes ---------------------------------------------------------------------------
