@@ -9,7 +9,7 @@ in a :class:`Configurations`, which all instances of the graph share.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeVar
 
 from fsm.chart.entry_sets import fixed_entry_set
@@ -22,6 +22,8 @@ MAX_CONFIGURATIONS = 10_000
 MAX_KEPT = 100
 """Events, and steps, kept for a configuration."""
 
+NO_DEFAULTS: Mapping[int, Sequence[Node]] = {}
+
 K = TypeVar("K")
 V = TypeVar("V")
 
@@ -30,13 +32,13 @@ V = TypeVar("V")
 class Entry:
     """The states that a microstep enters. Nobody changes one; frozen ones take longer to make."""
 
-    states: tuple[Node, ...]
-    """Outer ones first."""
+    states: Sequence[tuple[Node, int]]
+    """Outer ones first, each with the mask of the configuration from its entry on."""
     mask: int
     """The mask of the configuration that results."""
-    histories: tuple[Node, ...] = ()
+    histories: Sequence[Node]
     """The history states through which states are restored with their data and progress."""
-    defaults: Mapping[int, Sequence[Node]] = field(default_factory=dict)
+    defaults: Mapping[int, Sequence[Node]]
     """State index → the states whose default actions follow the entry actions of that state."""
 
 
@@ -46,8 +48,10 @@ class Step:
 
     taken: tuple[tuple[Edge, Record], ...]
     """The transitions with what is recorded of each."""
-    leaving: tuple[Node, ...]
-    """The states left, inner ones first."""
+    leaving: tuple[tuple[Node, int], ...]
+    """The states left, inner ones first, each with the mask of the configuration without it."""
+    mask: int
+    """The mask of the configuration when all these have been left."""
     entering: tuple[Node, ...]
     """The states entered whatever happened before, outer ones first."""
     open: tuple[Edge, ...]
@@ -118,21 +122,22 @@ class Configuration:
     def _new_step(self, edges: tuple[Edge, ...]) -> Step:
         domains = [edge.domain for edge in edges if edge.domain is not None]
         left = [node for node in self.states if any(domain.contains(node) for domain in domains)]
+        mask, leaving = self.mask, []
+        for node in reversed(left):
+            mask ^= node.mask
+            leaving.append((node, mask))
         fixed = [fixed_entry_set(edge) for edge in edges]
         entered = {node for nodes in fixed for node in nodes or ()}
         entering = tuple(sorted(entered, key=lambda node: node.index))
         open_ = tuple(e for e, nodes in zip(edges, fixed, strict=True) if nodes is None)
         return Step(
             tuple((edge, edge.taking) for edge in edges),
-            tuple(reversed(left)),
+            tuple(leaving),
+            mask,
             entering,
             open_,
-            None if open_ else Entry(entering, self.mask_after(left, entering)),
+            None if open_ else entry_after(mask, entering),
         )
-
-    def mask_after(self, leaving: Iterable[Node], entering: Iterable[Node]) -> int:
-        """The mask of the configuration after these states were left and those entered."""
-        return (self.mask & ~mask_of(leaving)) | mask_of(entering)
 
 
 class Configurations(dict[int, Configuration]):
@@ -147,6 +152,20 @@ class Configurations(dict[int, Configuration]):
 
     def __missing__(self, mask: int) -> Configuration:
         return _keep(self, mask, Configuration(self._graph, mask), MAX_CONFIGURATIONS)
+
+
+def entry_after(
+    mask: int,
+    nodes: Iterable[Node],
+    histories: Sequence[Node] = (),
+    defaults: Mapping[int, Sequence[Node]] = NO_DEFAULTS,
+) -> Entry:
+    """The entry of states, outer ones first, into the configuration of this mask."""
+    states = []
+    for node in nodes:
+        mask |= node.mask
+        states.append((node, mask))
+    return Entry(states, mask, histories, defaults)
 
 
 def mask_of(nodes: Iterable[Node]) -> int:

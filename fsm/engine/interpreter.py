@@ -23,7 +23,7 @@ from typing import Any, Self
 
 from transitions.core import EventData
 
-from fsm.chart.configuration import Entry, Step
+from fsm.chart.configuration import Entry, Step, entry_after
 from fsm.chart.entry_sets import default_entry, entry_set
 from fsm.chart.executable import Action, Record
 from fsm.chart.graph import After, Edge, Graph, Node
@@ -181,11 +181,10 @@ class Interpreter:
             return
         root = self.graph.root
         found = entry_set(root, default_entry(root), self._recorded)
-        states = (root, *found.states)
-        mask = state.configuration.mask_after((), states)
-        entry = Entry(states, mask, tuple(found.histories), found.defaults)
-        state.configuration = self._configurations[mask]
-        for node in states:
+        entry = entry_after(0, (root, *found.states), found.histories, found.defaults)
+        state.configuration = self._configurations[entry.mask]
+        for node, mask in entry.states:
+            self.slots[CONFIGURATION_SLOT] = mask
             self._enter(node, NOTHING, entry)
         self.stabilise()
 
@@ -196,6 +195,7 @@ class Interpreter:
         self._callback_data = None
         for node in reversed(state.configuration.states):
             self._exit(node, NOTHING)
+            self.slots[CONFIGURATION_SLOT] ^= node.mask
         state.configuration = self._configurations[0]
 
     def macrostep(self, event: Event) -> bool:
@@ -346,7 +346,7 @@ class Interpreter:
 
     def microstep(self, edges: tuple[Edge, ...], event: Event) -> None:
         """Take transitions that do not conflict; ``event`` is what caused it."""
-        state = self.state
+        state, slots = self.state, self.slots
         step = state.configuration.step(edges)
         self._callback_data = None
         memories = self._remember(step) if self._has_history else ()
@@ -354,17 +354,19 @@ class Interpreter:
         for edge in edges:
             if edge.before:
                 self.graph.callbacks(edge.before, self._event_data(edge, event))
-        for node in step.leaving:
+        for node, mask in step.leaving:
             self._exit(node, event)
+            slots[CONFIGURATION_SLOT] = mask
         for edge, record in step.taken:
             self.records.append(record)
             if edge.actions:
                 self.run_actions(edge.actions, event.fields)
         # Last, since exit actions and the transition's own may still have changed them.
         for memory in memories:
-            memory.keep_data(self.slots)
+            memory.keep_data(slots)
         state.configuration = self._configurations[entry.mask]
-        for node in entry.states:
+        for node, mask in entry.states:
+            slots[CONFIGURATION_SLOT] = mask
             self._enter(node, event, entry)
         for edge in edges:
             if edge.after:
@@ -382,14 +384,12 @@ class Interpreter:
             histories += found.histories
             for index, nodes in found.defaults.items():
                 defaults.setdefault(index, []).extend(nodes)
-        states = tuple(entering[index] for index in sorted(entering))
-        mask = self.state.configuration.mask_after(step.leaving, states)
-        return Entry(states, mask, tuple(histories), defaults)
+        states = [entering[index] for index in sorted(entering)]
+        return entry_after(step.mask, states, histories, defaults)
 
     def _enter(self, node: Node, event: Event, entry: Entry) -> None:
         state, slots = self.state, self.slots
         index = node.index
-        slots[CONFIGURATION_SLOT] |= node.mask
         slots[node.entered_slot] = slots[TIME_SLOT]
         state.entries[index] = state.entry_count = state.entry_count + 1
         if node.fills:
@@ -466,24 +466,27 @@ class Interpreter:
         self.finish_region(parent, state.internal)
 
     def _exit(self, node: Node, event: Event) -> None:
-        state, index = self.state, node.index
         if node.exit_actions:
             self.run_actions(node.exit_actions, event.fields)
         if node.on_exit:
             self._call(node.on_exit, event)
         if node.invocation is not None:
-            running = state.running.pop(index, None)
-            if running is not None and running.activity is not None:
-                if not running.ended:
-                    self.records.append(("stop", {"state": node.path}))
-                running.activity.stop()
-            state.resumed.pop(index, None)
-            state.finished.discard(index)
+            self._stop(node)
         if node.waits:
-            state.conditions.pop(index, None)
-            state.timers.pop(index, None)
-        self.slots[CONFIGURATION_SLOT] ^= node.mask
+            self.state.conditions.pop(node.index, None)
+            self.state.timers.pop(node.index, None)
         self.records.append(node.leaving)
+
+    def _stop(self, node: Node) -> None:
+        """Stop the behaviour of a state that is left, unless it has not begun."""
+        state, index = self.state, node.index
+        running = state.running.pop(index, None)
+        if running is not None and running.activity is not None:
+            if not running.ended:
+                self.records.append(("stop", {"state": node.path}))
+            running.activity.stop()
+        state.resumed.pop(index, None)
+        state.finished.discard(index)
 
     # -- outcomes ---------------------------------------------------------------------------
 
@@ -515,7 +518,8 @@ class Interpreter:
     def _remember(self, step: Step) -> Iterable[Memory]:
         """The memories that a step makes; their data are kept when its actions have run."""
         state = self.state
-        memories = remember(reversed(step.leaving), state.configuration.states, self._progress)
+        leaving = [node for node, _ in reversed(step.leaving)]
+        memories = remember(leaving, state.configuration.states, self._progress)
         state.memories.update(memories)
         return memories.values()
 
