@@ -54,8 +54,9 @@ class Step:
     """The mask of the configuration when all these have been left."""
     entering: tuple[Node, ...]
     """The states entered whatever happened before, outer ones first."""
-    open: tuple[Edge, ...]
-    """Transitions whose entered states depend on history, or have default actions to be run."""
+    open: tuple[tuple[Edge, Node], ...]
+    """Transitions whose entered states depend on history, or have default actions to be run, each
+    with its domain."""
     entry: Entry | None
     """The states entered; None when some transitions are open."""
 
@@ -91,7 +92,7 @@ class Configuration:
         self.always = any(node.always for node in self.states)
         self._in_order: dict[str, tuple[Edge, ...]] = {}
         self._by_state: dict[str, Mapping[int, tuple[Edge, ...]]] = {}
-        self._steps: dict[tuple[Edge, ...], Step] = {}
+        self._steps: dict[tuple[Edge | Node | None, ...], Step] = {}
 
     def edges_in_order(self, event: str) -> tuple[Edge, ...]:
         """The transitions an event may take, in the order they are tried. For one active leaf."""
@@ -115,13 +116,18 @@ class Configuration:
             found = _keep(self._by_state, event, {index: e for index, e in edges.items() if e})
         return found
 
-    def step(self, edges: tuple[Edge, ...]) -> Step:
-        """The changes that taking these transitions together makes."""
-        return self._steps.get(edges) or _keep(self._steps, edges, self._new_step(edges))
+    def step(self, edges: tuple[Edge, ...], narrowed: tuple[Node | None, ...] = ()) -> Step:
+        """The changes that taking these transitions together makes.
 
-    def _new_step(self, edges: tuple[Edge, ...]) -> Step:
-        domains = [edge.domain for edge in edges if edge.domain is not None]
-        left = [node for node in self.states if any(domain.contains(node) for domain in domains)]
+        ``narrowed`` are the present domains of those where history decides on them, in their order.
+        """
+        key = edges + narrowed
+        return self._steps.get(key) or _keep(self._steps, key, self._new_step(edges, narrowed))
+
+    def _new_step(self, edges: tuple[Edge, ...], narrowed: Iterable[Node | None]) -> Step:
+        narrow = iter(narrowed)
+        domains = [next(narrow) if edge.by_history else edge.domain for edge in edges]
+        left = [node for node in self.states if any(d and d.contains(node) for d in domains)]
         mask, leaving = self.mask, []
         for node in reversed(left):
             mask ^= node.mask
@@ -129,7 +135,11 @@ class Configuration:
         fixed = [fixed_entry_set(edge) for edge in edges]
         entered = {node for nodes in fixed for node in nodes or ()}
         entering = tuple(sorted(entered, key=lambda node: node.index))
-        open_ = tuple(e for e, nodes in zip(edges, fixed, strict=True) if nodes is None)
+        open_ = tuple(
+            (edge, domain)
+            for edge, domain, nodes in zip(edges, domains, fixed, strict=True)
+            if domain is not None and nodes is None
+        )
         return Step(
             tuple((edge, edge.taking) for edge in edges),
             tuple(leaving),

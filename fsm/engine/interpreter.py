@@ -24,7 +24,7 @@ from typing import Any, Self
 from transitions.core import EventData
 
 from fsm.chart.configuration import Entry, Step, entry_after
-from fsm.chart.entry_sets import default_entry, entry_set
+from fsm.chart.entry_sets import default_entry, entry_set, transition_domain
 from fsm.chart.executable import Action, Record
 from fsm.chart.graph import After, Edge, Graph, Node
 from fsm.chart.selection import chain, select
@@ -63,6 +63,7 @@ class Interpreter:
         """The records made since the caller last replaced this list by an empty one."""
         self._configurations = self._shared.configurations
         self._has_history = self._shared.has_history
+        self._narrows = self._shared.narrows
         self._callback_data: EventData | None = None
         """The argument of the entry and exit callbacks of the present microstep."""
         values: list[Any] = [None] * graph.slots
@@ -180,7 +181,7 @@ class Interpreter:
         if state.configuration.states or state.outcome is not None:
             return
         root = self.graph.root
-        found = entry_set(root, default_entry(root), self._recorded)
+        found = entry_set(root, default_entry(root), self.recorded)
         entry = entry_after(0, (root, *found.states), found.histories, found.defaults)
         state.configuration = self._configurations[entry.mask]
         for node, mask in entry.states:
@@ -298,7 +299,7 @@ class Interpreter:
             return self.first_passing(edges.get(node.index, ()), event)
 
         if owner is None:
-            return tuple(select(configuration.leaves, choose, outer_first))
+            return tuple(select(configuration.leaves, choose, self.recorded, outer_first))
         # An outcome goes from its state outwards, never to another region; `done` stays.
         asked = (owner,) if name == "done" else chain(owner, outer_first)
         if name not in ("done", "failed"):
@@ -315,6 +316,7 @@ class Interpreter:
         edges = select(
             configuration.leaves,
             lambda node: self.first_passing(node.always, NOTHING) if node.always else None,
+            self.recorded,
             self.graph.outer_first,
         )
         return tuple(edges)
@@ -347,7 +349,7 @@ class Interpreter:
     def microstep(self, edges: tuple[Edge, ...], event: Event) -> None:
         """Take transitions that do not conflict; ``event`` is what caused it."""
         state, slots = self.state, self.slots
-        step = state.configuration.step(edges)
+        step = state.configuration.step(edges, self._narrowed(edges) if self._narrows else ())
         self._callback_data = None
         memories = self._remember(step) if self._has_history else ()
         entry = step.entry or self._open_entry(step)
@@ -377,9 +379,8 @@ class Interpreter:
         entering = {node.index: node for node in step.entering}
         histories: list[Node] = []
         defaults: dict[int, list[Node]] = {}
-        for edge in step.open:
-            assert edge.domain is not None, "what leaves nothing enters nothing"
-            found = entry_set(edge.domain, edge.targets, self._recorded)
+        for edge, domain in step.open:
+            found = entry_set(domain, edge.targets, self.recorded)
             entering.update(found.entering)
             histories += found.histories
             for index, nodes in found.defaults.items():
@@ -530,7 +531,12 @@ class Interpreter:
             return self.state.resumed.get(node.index)
         return running.activity.progress() if running.activity and not running.ended else None
 
-    def _recorded(self, history: Node) -> tuple[Node, ...] | None:
+    def _narrowed(self, edges: Iterable[Edge]) -> tuple[Node | None, ...]:
+        """The present domains of those transitions where history decides on them."""
+        return tuple([transition_domain(edge, self.recorded) for edge in edges if edge.by_history])
+
+    def recorded(self, history: Node) -> tuple[Node, ...] | None:
+        """The states that a history state stands for; None when its parent was never left."""
         memory = self.state.memories.get(history.index)
         return None if memory is None else memory.states
 
