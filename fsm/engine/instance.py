@@ -197,6 +197,7 @@ class Instance(Interpreter):
             edges = select(
                 state.configuration.leaves,
                 lambda node: offers[node.index][0] if node.index in offers else None,
+                self.recorded,
                 self.graph.outer_first,
             )
             for edge in edges:
