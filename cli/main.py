@@ -9,7 +9,8 @@ from pathlib import Path
 
 import click
 
-from vencejo.errors import UserError, nearest
+from cli.ending import not_kept_alive
+from vencejo.errors import Stopped, UserError, nearest
 from vencejo.version import __version__
 
 COMMANDS = {
@@ -91,6 +92,7 @@ def check_packages() -> None:
             )
 
 
+@not_kept_alive()
 def main() -> None:
     """The entry point: faults of a person are printed, never a traceback."""
     try:
@@ -107,7 +109,7 @@ def main() -> None:
     except click.ClickException as error:
         error.show()
         sys.exit(2)
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt, Stopped):
         sys.exit(130)
     except BrokenPipeError:
         from cli.view import silence

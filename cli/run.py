@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
+from typing import IO
 
 import click
 
@@ -18,12 +19,14 @@ from cli.options import (
     Speed,
     Word,
     assignments,
+    call_limit_option,
     cameras,
     limits,
     renderer_option,
     shadows_option,
 )
 from cli.signals import Interrupts
+from cli.user_code import user_code
 from fsm import parse_parameters
 from hal import backend_names
 from runner import missions
@@ -33,8 +36,8 @@ from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
-from runner.run_folder import INTERRUPTED, summary_fields
-from vencejo.errors import UserError
+from runner.run_folder import INTERRUPTED, Summary, summary_fields
+from vencejo.errors import Stopped, UserError
 
 
 @click.command()
@@ -108,6 +111,7 @@ from vencejo.errors import UserError
     is_flag=True,
     help="Do not keep the camera pictures that behaviours read, to save space.",
 )
+@call_limit_option
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
@@ -127,6 +131,7 @@ def run(
     shadows: bool,
     runs_dir: Path,
     no_frames: bool,
+    call_limit: float | None,
     as_json: bool,
 ) -> None:
     """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
@@ -135,7 +140,8 @@ def run(
     wrong, 3 the vehicle failed, 130 interrupted (and landed). Ctrl-C once asks the mission to
     stop, twice lands at once, thrice stops the program.
     """
-    prepared = prepare(missions.find(mission), world)
+    with user_code(call_limit) as limit:
+        prepared = prepare(missions.find(mission), world, calls=limit.calls)
     values = parse_parameters(prepared.graph, parameters)
     for fault in prepared.graph.warnings:
         click.echo(str(fault), err=True)
@@ -164,14 +170,19 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    sys.exit(_fly(plan, speed, record, as_json))
+    sys.exit(_fly(plan, speed, call_limit, record, as_json))
 
 
 def _fly(
-    plan: Plan, speed: float | None, new_recorder: Callable[[], Recorder], as_json: bool
+    plan: Plan,
+    speed: float | None,
+    call_limit: float | None,
+    new_recorder: Callable[[], Recorder],
+    as_json: bool,
 ) -> int:
     """Fly, show and record; the exit code."""
     made: list[Recorder] = []
+    out = sys.stdout
 
     def record() -> Recorder:
         made.append(new_recorder())
@@ -183,16 +194,28 @@ def _fly(
 
     try:
         with ExitStack() as stack:
+
+            def landed(summary: Summary) -> int:
+                """The end of a flight in which a call did not end; the exit code."""
+                stack.close()
+                return _finish(summary, made[0], as_json)
+
+            limit = stack.enter_context(user_code(call_limit, landed))
             stops = stack.enter_context(Interrupts())
-            watchers = [] if as_json else [_watcher(plan, speed, stops, stack)]
-            summary = fly(plan, record, watchers, Pace(speed), stops)
-    except KeyboardInterrupt:
+            watchers = [] if as_json else [_watcher(plan, speed, stops, stack, out)]
+            summary = fly(plan, record, watchers, Pace(speed), stops, limit)
+    except Stopped:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
         if made:
             click.echo(f"run folder: {made[0].folder}", err=True)
         sys.exit(INTERRUPTED)
-    folder = made[0].folder
-    made[0].write_summary(summary)
+    return _finish(summary, made[0], as_json)
+
+
+def _finish(summary: Summary, recorder: Recorder, as_json: bool) -> int:
+    """Write and show how a flight ended; the exit code."""
+    folder = recorder.folder
+    recorder.write_summary(summary)
     for name, flown in summary.vehicles.items():
         if flown.failure:
             click.echo(f"{name}: {flown.failure}", err=True)
@@ -207,13 +230,15 @@ def _fly(
     return summary.exit_code
 
 
-def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStack) -> Watcher:
+def _watcher(
+    plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStack, out: IO[str]
+) -> Watcher:
     """The live view on a terminal, plain lines elsewhere."""
     from rich.console import Console
 
     from cli.view import LiveView, PlainView
 
-    console = Console()
+    console = Console(file=out)
 
     def closed() -> None:
         # Nobody is there any more (`| head`, a closed terminal): land and end.
@@ -221,7 +246,7 @@ def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStac
             stops.request(2)
 
     if not console.is_terminal:
-        return PlainView(sys.stdout, closed)
+        return PlainView(out, closed)
     (assignment,) = plan.assignments.values()
     return stack.enter_context(LiveView(assignment.prepared.graph, console, speed, closed))
 

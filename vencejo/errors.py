@@ -81,6 +81,10 @@ class VehicleError(UserError):
     exit_code = 3
 
 
+class Stopped(BaseException):
+    """The operator stops the program: all that guards people's code lets through."""
+
+
 def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> str | None:
     """A hint: the known word most similar to ``word``, or else ``otherwise``, or else a list.
 

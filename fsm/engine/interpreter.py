@@ -194,6 +194,11 @@ class Interpreter:
             self._exit(node, NOTHING)
         state.settle(self._configurations[0])
 
+    def abandon(self, outcome: str) -> None:
+        """End the run where it is, also in the midst of a step: nothing else happens any more."""
+        self.state.outcome = outcome
+        self.state.settle(self._configurations[0])
+
     def macrostep(self, event: Event) -> bool:
         """Process one event until the graph is stable; whether it took a transition."""
         taken = self._offer(event)
