@@ -13,7 +13,7 @@ from behaviors.channel import Channel
 from behaviors.flight import Flight, NotInControl
 from fsm.host import BehaviorInfo, Outcome
 from fsm.values.functions import EvaluationError
-from fsm.values.intake import admitted, admitted_fields, admitted_record, copied
+from fsm.values.intake import admitted, admitted_fields, admitted_record, copied, kind_of
 from fsm.values.types import TEXT
 from hal.vehicle import Observation
 
@@ -144,7 +144,7 @@ class DroneActivity:
         behavior: Any = self._behavior
         progress = behavior.progress()
         if progress is not None and not isinstance(progress, Mapping):
-            told = f"`progress` returned {_named(progress)}: return a map, or None for none"
+            told = f"`progress` returned {kind_of(progress)}: return a map, or None for none"
             raise self._mistake("progress", told)
         try:
             admitted_progress: Mapping[str, Any] | None = admitted(progress)
@@ -164,7 +164,7 @@ class DroneActivity:
         if not isinstance(ended, Outcome):
             if inspect.isgenerator(ended) or inspect.iscoroutine(ended):
                 ended.close()
-            told = f"`step` returned {_named(ended)}: return None, a word or an Outcome"
+            told = f"`step` returned {kind_of(ended)}: return None, a word or an Outcome"
             raise self._mistake("step", told)
         known = {"failed": FAILED_FIELDS, **self.info.outcomes}
         if not isinstance(ended.word, str) or ended.word not in known:
@@ -187,15 +187,22 @@ class DroneActivity:
         self._need_life("raises no events")
         if name not in self.info.events:
             raise ValueError(f"{self.info.name} declares no event '{name}'")
-        self._post(name, admitted_fields(_as_fields(record), self.info.events[name]))
+        try:
+            fields = admitted_fields(_as_fields(record), self.info.events[name])
+        except EvaluationError as error:
+            raise ValueError(f"the fields of '{name}' are wrong: {error}") from None
+        self._post(name, fields)
 
     def _publish(self, record: Any) -> None:
         self._need_life("publishes nothing")
         declared = self.info.implementation.publishes
         if declared is None or not isinstance(record, declared):
             known = "nothing" if declared is None else f"a {declared.__name__}"
-            raise TypeError(f"{self.info.name} publishes {known}, not {_named(record)}")
-        self.published = admitted_record(record, self.info.publishes)
+            raise TypeError(f"{self.info.name} publishes {known}, not {kind_of(record)}")
+        try:
+            self.published = admitted_record(record, self.info.publishes)
+        except EvaluationError as error:
+            raise ValueError(f"what {self.info.name} publishes is wrong: {error}") from None
 
     # ------------------------------------------------------------------------------------------
 
@@ -221,13 +228,8 @@ def _as_fields(record: Any) -> Mapping[str, Any]:
     if dataclasses.is_dataclass(record) and not isinstance(record, type):
         return {f.name: getattr(record, f.name) for f in dataclasses.fields(record)}
     if not isinstance(record, Mapping):
-        raise TypeError(f"fields stand in a record or a map, not in {_named(record)}")
+        raise TypeError(f"fields stand in a record or a map, not in {kind_of(record)}")
     return record
-
-
-def _named(value: Any) -> str:
-    """The kind of a wrong value, for a message."""
-    return f"a {value.__name__} itself" if isinstance(value, type) else f"a {type(value).__name__}"
 
 
 def _failed(reason: str) -> Outcome:

@@ -9,6 +9,7 @@ from typing import Any
 from behaviors.channel import Channel
 from behaviors.frame import MissionFrame
 from behaviors.setpoints import checked, number
+from fsm.values.intake import kind_of
 from hal.lights import Lights
 from hal.orders import Order
 from hal.vehicle import Camera, Observation, Sensor, Setpoint
@@ -84,16 +85,16 @@ class Flight:
     def raise_event(self, name: str, record: Any = None) -> None:
         """Raise an event that the behaviour declares, with a record of its fields.
 
-        Raises ValueError for an event or a field that it does not declare, EvaluationError for
-        values that missions cannot hold, and NotInControl after its ``stop``.
+        Raises ValueError for an event or a field that it does not declare and for values that
+        missions cannot hold, TypeError for what is no record, and NotInControl after its ``stop``.
         """
         self._raise_event(name, record)
 
     def publish(self, record: Any) -> None:
         """Publish values: a record of the class that the behaviour declares.
 
-        Raises TypeError for anything else, EvaluationError for values that missions cannot hold,
-        and NotInControl after its ``stop``.
+        Raises TypeError for anything else, ValueError for values that missions cannot hold, and
+        NotInControl after its ``stop``.
         """
         self._publish(record)
 
@@ -152,7 +153,7 @@ class Flight:
         """Show a pattern on the lamps. Raises NotInControl, TypeError and hal's Unavailable."""
         self._need("lights")
         if not isinstance(lights, Lights):
-            raise TypeError(f"lights are shown by a Lights, not by a {type(lights).__name__}")
+            raise TypeError(f"lights are shown by a Lights, not by {kind_of(lights)}")
         return self._channel.vehicle.lights(lights)
 
     def _manoeuvre(self, order: Order) -> Order:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from fsm.values.functions import EvaluationError
-from fsm.values.intake import admitted
+from fsm.values.intake import admitted, kind_of
 from fsm.values.types import Number
 from hal.vehicle import Attitude, Hold, Position, Setpoint, Velocity
 from vencejo.geometry import Point
@@ -29,7 +29,7 @@ def checked(setpoint: Any) -> Setpoint:
             read: Setpoint = reader(setpoint)
             return read
     known = ", ".join(kind.__name__ for kind in _READERS)
-    raise TypeError(f"a {type(setpoint).__name__} is no set-point (those are {known})")
+    raise TypeError(f"{kind_of(setpoint)} is no set-point (those are {known})")
 
 
 def number(what: str, value: Any) -> float:
@@ -58,7 +58,7 @@ def _point(what: str, value: Any) -> Point:
     try:
         x, y, z = value
     except (TypeError, ValueError):
-        message = f"{what} is a Point of three numbers, not a {type(value).__name__}"
+        message = f"{what} is a Point of three numbers, not {kind_of(value)}"
         raise TypeError(message) from None
     return Point(number(what, x), number(what, y), number(what, z))
 

@@ -2,7 +2,7 @@
 
 What it prints goes to standard error, so that standard output holds what the command says, and JSON
 stays JSON. It cannot read from the terminal. What it does to the streams, to signals and to the
-working directory ends with it, and threads that it leaves behind do not keep the process alive.
+working directory ends with it.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from behaviors import CodeFailed
 from cli.ending import leave
 from cli.signals import LAST_WORDS, Interrupts
 from runner.call_limit import CallLimit
+from runner.process_settings import ProcessSettings
 from runner.run_folder import INTERRUPTED, Summary
 from vencejo.errors import Stopped, UserError, Where
 
@@ -55,7 +56,7 @@ def user_code(
             leave(code)
 
     limit = CallLimit(seconds, give_up)
-    with Interrupts(last=1), _apart(), limit:
+    with Interrupts(last=1), limit, _apart():
         yield limit
 
 
@@ -67,10 +68,12 @@ def _apart() -> Iterator[None]:
     """
     stdin, stdout, stderr = sys.stdin, sys.stdout, sys.stderr
     folder, before = Path().absolute(), set(threading.enumerate())
+    settings = ProcessSettings.now()
     sys.stdin, sys.stdout, sys.stderr = _NoInput(), _Aside(stderr), _Aside(stderr)
     try:
         yield
     finally:
+        settings.restore()
         left = set(threading.enumerate()) - before
         sys.stdin, sys.stderr = stdin, stderr
         sys.stdout = _Aside(stderr, main=stdout) if left else stdout

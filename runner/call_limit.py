@@ -32,10 +32,6 @@ LONGEST_TICK = 0.25
 """Seconds between two looks at the call under way, at most."""
 _ROOM = 1000
 """Levels of recursion for bringing the program to its end, beside those the call has taken."""
-_STOPPING = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
-)
-"""The signals by which a person stops the program."""
 
 
 class CallLimit:
@@ -45,62 +41,67 @@ class CallLimit:
         self,
         seconds: float | None = CALL_LIMIT,
         give_up: Callable[[CodeFailed], NoReturn] | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """``seconds``: None for no limit. ``give_up`` ends the program, called from within a call
-        that goes on all the same; without it, the call is told to end again and again.
+        that goes on all the same; without it, the call is told to end again and again. ``clock``
+        gives seconds.
         """
         self.seconds = seconds
-        self.calls = Calls(time.monotonic)
+        self.calls = Calls(clock)
+        self._clock = clock
         self.land: Callable[[str], Summary] | None = None
         """In flight: ends all missions for a reason, lands the vehicles, and gives the summary;
         nothing of the flight may go on afterwards. None before and after."""
         self._give_up = give_up
+        self._told = 0, 0.0
+        """The last call that was told to end, and since when it has been, by the clock."""
         self._is_given_up = False
         self._tick = 0.0
         """Seconds between two looks; 0 while there is no timer."""
         self._before: Any = None
-        self._kept: dict[int, Any] = {}
+        """The handler and the timer that were set before."""
 
     def __enter__(self) -> CallLimit:
         main = threading.current_thread() is threading.main_thread()
         if self.seconds is not None and main and hasattr(signal, "setitimer"):
             self._tick = min(self.seconds / 10, LONGEST_TICK)
-            self._before = signal.signal(signal.SIGALRM, self._look)
-            signal.setitimer(signal.ITIMER_REAL, self._tick, self._tick)
+            handler = signal.signal(signal.SIGALRM, self._ring)
+            timer = signal.setitimer(signal.ITIMER_REAL, self._tick, self._tick)
+            self._before = handler, timer
         return self
 
     def __exit__(self, *exc: object) -> None:
         if self._tick:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, self._before)
             self._tick = 0.0
+            handler, timer = self._before
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, handler)
+            signal.setitimer(signal.ITIMER_REAL, *timer)
 
-    def keep_handlers(self) -> None:
-        """Remember who handles the signals now; see :meth:`restore_handlers`."""
-        if threading.current_thread() is threading.main_thread():
-            kept = (*_STOPPING, signal.SIGALRM) if self._tick else _STOPPING
-            self._kept = {number: signal.getsignal(number) for number in kept}
-
-    def restore_handlers(self) -> None:
-        """Undo what a person's code has done to signals: it must stay possible to end it."""
-        for number, handler in self._kept.items():
-            if signal.getsignal(number) != handler:
-                signal.signal(number, handler)
+    def renew(self) -> None:
+        """Set the timer again, should a person's code have stopped it."""
         if self._tick and signal.getitimer(signal.ITIMER_REAL)[1] == 0.0:
             signal.setitimer(signal.ITIMER_REAL, self._tick, self._tick)
 
-    def _look(self, number: int, frame: FrameType | None) -> None:
-        """End the call under way if it lasts too long."""
-        calls = self.calls
+    def _ring(self, number: int, frame: FrameType | None) -> None:
+        self.look(frame)
+
+    def look(self, frame: FrameType | None) -> None:
+        """End the call under way if it lasts too long: what the timer does. ``frame`` is where it
+        is.
+        """
+        calls, now = self.calls, self._clock()
         if not calls.current or self._is_given_up or self.seconds is None:
             return
-        beyond = time.monotonic() - calls.began - self.seconds
-        if beyond < 0:
+        if now - calls.began < self.seconds:
             return
-        message = f"the call took longer than {self.seconds:g} s (--call-limit)"
-        if beyond < GRACE or self._give_up is None:
-            raise TookTooLong(message)
+        call, since = self._told
+        if call != calls.current:
+            call, since = self._told = calls.current, now
+        took = f"the call took longer than {self.seconds:g} s"
+        if now - since < GRACE or self._give_up is None:
+            raise TookTooLong(f"{took} (--call-limit)")
         self._is_given_up = True
         sys.setrecursionlimit(sys.getrecursionlimit() + _ROOM)
-        message = message.replace("(", "and could not be ended (")
-        self._give_up(CodeFailed(message, place_in(frame)))
+        self._give_up(CodeFailed(f"{took} and could not be ended (--call-limit)", place_in(frame)))

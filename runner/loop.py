@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
@@ -21,6 +22,7 @@ from hal import Limits, Options, Session, open_backend
 from runner.call_limit import CallLimit
 from runner.pace import Pace
 from runner.preparation import Prepared
+from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
 from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
 from vencejo.errors import UserError, VehicleError, Where
@@ -131,6 +133,12 @@ class _Craft:
             self.pilot.period(dt)
         except VehicleError as error:
             self.lose(error)
+        except Exception as defect:
+            # Ours, or of a person's code in a way nobody has thought of: shown, and landed.
+            if self.pilot.outcome is not None:
+                raise
+            sys.excepthook(type(defect), defect, defect.__traceback__)
+            self.pilot.abandon(f"a defect of the program: {type(defect).__name__}: {defect}")
         channel = self.pilot.channel
         position = channel.world.position
         if self._last is not None and channel.jump is not None:
@@ -219,6 +227,7 @@ class _Flying:
     def __post_init__(self) -> None:
         self.aloft = self.crafts
         """The vehicles that have not come to their end."""
+        self.settings = ProcessSettings.now()
 
     def go_on(self, dt: float | None) -> None:
         """Fly on with a period of ``dt`` seconds until all vehicles are down, or cannot be."""
@@ -236,7 +245,8 @@ class _Flying:
         if self.stops.count > self.answered:
             self.answered = self.stops.count
             self._stop(at_once=self.answered > 1)
-        self.limit.restore_handlers()
+        self.settings.restore()
+        self.limit.renew()
         for craft in self.aloft:
             craft.period(dt)
         self._show()
@@ -326,7 +336,6 @@ def fly(
 
         limit.land = land
         stack.callback(setattr, limit, "land", None)
-        limit.keep_handlers()
         flying.go_on(dt)
         return summary()
 

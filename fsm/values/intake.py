@@ -75,6 +75,14 @@ def admitted_fields(given: Mapping[Any, Any], places: Mapping[str, Type]) -> dic
     return {str(name): _field(value, name, places[name]) for name, value in given.items()}
 
 
+def kind_of(value: Any) -> str:
+    """The kind of a wrong value, for a message: ``an int``, ``the class Point``."""
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    name = type(value).__name__
+    return f"{'an' if name[:1].lower() in 'aeiou' else 'a'} {name}"
+
+
 def copied(value: Any) -> Any:
     """The value with its lists and maps copied, for somebody who might change them."""
     if isinstance(value, dict):
@@ -127,7 +135,7 @@ class _Intake:
             return _record_of(type(value), inside)
         if getattr(value, "shape", None) == () and hasattr(value, "item"):
             return self.plain(value.item(), depth + 1)
-        raise EvaluationError(f"a {type(value).__name__} is no value of a mission")
+        raise EvaluationError(f"{kind_of(value)} is no value of a mission")
 
     def number(self, value: Any, depth: int) -> int | float:
         plain = int(value) if isinstance(value, Integral) else float(value)
@@ -154,7 +162,7 @@ class _Intake:
         taken = {}
         for key, inner in value.items():
             if isinstance(key, bool) or not isinstance(key, (str, Integral)):
-                raise EvaluationError(f"the key of a map is a text, not a {type(key).__name__}")
+                raise EvaluationError(f"the key of a map is a text, not {kind_of(key)}")
             taken[self.plain(key, depth + 1)] = self.plain(inner, depth + 1)
         return taken
 
