@@ -6,6 +6,7 @@ import os
 import signal
 from types import FrameType, TracebackType
 
+from cli.ending import leave
 from runner.run_folder import INTERRUPTED
 from vencejo.errors import Stopped
 
@@ -34,7 +35,7 @@ class Interrupts:
             return
         if self._told:
             os.write(2, LAST_WORDS)
-            os._exit(INTERRUPTED)
+            leave(INTERRUPTED)
         self._told = True
         raise Stopped
 
