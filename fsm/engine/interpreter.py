@@ -199,6 +199,12 @@ class Interpreter:
             self.slots[CONFIGURATION_SLOT] ^= node.mask
         state.configuration = self._configurations[0]
 
+    def abandon(self, outcome: str) -> None:
+        """End the run where it is, also in the midst of a step: nothing else happens any more."""
+        self.state.outcome = outcome
+        self.state.configuration = self._configurations[0]
+        self.slots[CONFIGURATION_SLOT] = 0
+
     def macrostep(self, event: Event) -> bool:
         """Process one event until the graph is stable; whether it took a transition."""
         taken = self._offer(event)
