@@ -18,11 +18,11 @@ from hal.sim.collision_shapes import (
     Piece,
     chunks,
     compound,
-    height_field,
     mesh,
     pieces_of,
     ray_mesh,
 )
+from hal.sim.hills import earth, height_field, slowed_above
 from hal.sim.movers import Mover
 from hal.sim.physics import GRAVITY, STEP, BodyState, Contacts, Triple
 from vencejo.errors import VehicleError
@@ -98,6 +98,8 @@ class Bullet:
         self._registry = BodyRegistry(p, self._client)
         self._steps = 0
         self._movers: list[Mover] = []
+        self._bodies: list[BulletBody] = []
+        self._terrain: Terrain | None = None
         self._fix(p.createCollisionShape(p.GEOM_PLANE, physicsClientId=self._client))
 
     @property
@@ -108,7 +110,10 @@ class Bullet:
         p, client = self._p, self._client
         if terrain is not None:
             shape, middle = height_field(p, client, terrain)
-            self._fix(shape, at=middle)
+            self._fix(shape, at=middle, mask=_RAY)
+            if any(map(any, terrain.heights)):
+                self._register(earth(p, client, terrain), _FIXED, _FREE, BodyPieces())
+            self._terrain = terrain
         pieces = [piece for each in things if each.motion is None for piece in pieces_of(each)]
         cuboids = [piece for piece in pieces if isinstance(piece.shape, Cuboid)]
         round_ones = [piece for piece in pieces if isinstance(piece.shape, Cylinder | Sphere)]
@@ -176,11 +181,16 @@ class Bullet:
             angularDamping=0,
             physicsClientId=self._client,
         )
-        return BulletBody(p, self._client, body, self._registry)
+        added = BulletBody(p, self._client, body, self._registry, min(size))
+        self._bodies.append(added)
+        return added
 
     def step(self) -> None:
         for mover in self._movers:
             mover.drive(self._steps)
+        if self._terrain is not None:
+            for body in self._bodies:
+                body.keep_above(self._terrain)
         self._steps += 1
         self._p.stepSimulation(self._client)
 
@@ -223,7 +233,10 @@ class BulletRayHits:
 class BulletBody:
     """A body of that world (see :class:`hal.sim.physics.Body`)."""
 
-    def __init__(self, p: Any, client: int, body: int, registry: BodyRegistry) -> None:
+    def __init__(
+        self, p: Any, client: int, body: int, registry: BodyRegistry, thickness: float
+    ) -> None:
+        """``thickness``: its least side, metres."""
         # Bound once, since these run at every step.
         self._position = partial(p.getBasePositionAndOrientation, body, client)
         self._velocity = partial(p.getBaseVelocity, body, client)
@@ -233,6 +246,8 @@ class BulletBody:
         self._own_axes = p.LINK_FRAME
         self._client = client
         self._registry = registry
+        self._thickness = thickness
+        self._set_velocity = partial(p.resetBaseVelocity, body, physicsClientId=client)
 
     def state(self) -> BodyState:
         position, attitude = self._position()
@@ -243,6 +258,17 @@ class BulletBody:
         axes, client = self._own_axes, self._client
         self._force((0.0, 0.0, thrust), (0.0, 0.0, 0.0), axes, client)
         self._torque((x, y, z), axes, client)
+
+    def keep_above(self, terrain: Terrain) -> None:
+        """Before a step: let it not come as deep into the terrain as it could in a hard fall.
+
+        There Bullet would not know which way is out.
+        """
+        position, _ = self._position()
+        velocity, turning = self._velocity()
+        slowed = slowed_above(terrain, position, velocity, self._thickness / 4)
+        if slowed is not None:
+            self._set_velocity(slowed, turning)
 
     def contacts(self) -> Contacts:
         support: Triple | None = None

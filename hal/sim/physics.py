@@ -67,7 +67,10 @@ class Physics(Protocol):
         """The engine and its version."""
 
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
-        """Add solid things; a moving one follows its path and carries bodies that stand on it."""
+        """Add solid things; a moving one follows its path and carries bodies that stand on it.
+
+        Terrain is solid too: however fast a body falls, its centre stays above the ground.
+        """
 
     def add_body(
         self,
