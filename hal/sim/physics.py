@@ -41,7 +41,11 @@ class RayHits(Protocol):
 
 
 class Body(Protocol):
-    """A rigid body that moves freely."""
+    """A rigid body that moves freely.
+
+    One that stands still and is not pushed stays where it is, to 0.1 mm an hour, until it is pushed
+    or something that moves touches it; what stands on a moving thing goes with it.
+    """
 
     def state(self) -> BodyState:
         """Its pose and velocities after the last step."""

@@ -221,6 +221,7 @@ def test_a_vehicle_stands_on_the_slope_where_it_starts(
         assert stood.home == pytest.approx((1, y, ground))
         # It drops on its uphill side, and slides a little.
         assert dist(stood.position[:2], (1, y)) < 0.25
+        assert wait(session, 10)[-1].position == stood.position
         take_off(session, 2.0)
         only(session).command(Position(Point(1.0, y, ground + 2.0)), LONG)
         wait(session, 4)
