@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import pairwise
-from math import ceil, floor
+from math import ceil, dist, floor
 
 from vencejo.geometry import Point, rotate_xy
 from worlds.things import Terrain
-from worlds.values import COORDINATE, SIZE, Field, Misfit, array, record
+from worlds.values import COORDINATE, SIZE, Field, Misfit, Spot, array, record
+
+_SAME = 1e-6
+"""Places on a way that are this near each other are one, metres."""
 
 
 def height_at(terrain: Terrain | None, x: float, y: float) -> float:
@@ -30,6 +34,23 @@ def height_at(terrain: Terrain | None, x: float, y: float) -> float:
         return south_west + (south_east - south_west) * right + (north_west - south_west) * up
     down, left = 1 - up, 1 - right
     return north_east + (north_west - north_east) * left + (south_east - north_east) * down
+
+
+def place_of(terrain: Terrain | None, spot: Spot) -> Point:
+    """The point of a spot: on the ground, where no height is written."""
+    high = height_at(terrain, spot.x, spot.y) if spot.z is None else spot.z
+    return Point(spot.x, spot.y, high)
+
+
+def on_ground(terrain: Terrain, way: Sequence[tuple[float, ...]]) -> list[Point]:
+    """The points of a way over the ground, x and y, and further ones where that has edges."""
+    places = [way[0][:2]]
+    for (x, y), end in pairwise((point[0], point[1]) for point in way):
+        crossings = sorted(_crossings(terrain, (x, y), end), key=partial(dist, (x, y)))
+        for place in (*crossings, end):
+            if dist(places[-1], place) > _SAME:
+                places.append(place)
+    return [Point(x, y, height_at(terrain, x, y)) for x, y in places]
 
 
 def highest_under(
