@@ -98,10 +98,11 @@ class BulletRenderer:
         for key in self._scene.moving:
             self._place(key, poses.get(key, _OUT_OF_SIGHT))
         least = self._least_depth(pose, intrinsics)
-        near = self._near_plane(least)
+        # With the least one, windows would sink into their walls and markers into the ground.
+        near = min(max(_NEAR, least), _LARGEST_NEAR)
         image, seen, _ = self._pass(pose, intrinsics, _OVERLAP * near)
         if least < near:
-            # What is nearer is drawn on top: one pass over all could not tell windows from walls.
+            # What is nearer is drawn on top.
             closeup, bodies, depths = self._pass(pose, intrinsics, _NEAREST)
             on_top = depths < _buffered(near, _NEAREST)
             image[on_top], seen[on_top] = closeup[on_top], bodies[on_top]
@@ -133,10 +134,6 @@ class BulletRenderer:
             np.array(bodies, np.int32).reshape(shape),
             np.asarray(depths, np.float32).reshape(shape),
         )
-
-    def _near_plane(self, least: float) -> float:
-        """The depth of the near plane for a pass; nothing has less than the ``least``, metres."""
-        return _NEAR
 
     def _least_depth(self, pose: Pose, lens: Intrinsics) -> float:
         """A depth that nothing in an image falls short of, metres."""
@@ -307,10 +304,6 @@ class EglRenderer(BulletRenderer):
             )
         self._plugin = plugin
         return client
-
-    def _near_plane(self, least: float) -> float:
-        # With the least one, windows sink into their walls and markers into the ground.
-        return min(max(_NEAR, least), _LARGEST_NEAR)
 
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
