@@ -54,7 +54,9 @@ _WORDS: Mapping[str, Any] = {
     "NaN": math.nan,
     "Infinity": math.inf,
 }
-_ASSIGNED = re.compile(r"(?:^|[;\n])[^\S\n]*(?:(?:var|let|const)\s+)?([A-Za-z_]\w*)\s*=(?!=)")
+_ASSIGNED = re.compile(
+    r"(?:^|[;\n])[^\S\n]*(?:(?:var|let|const)\s+)?((?:[^\W\d]|\$)[\w$]*)\s*=(?!=)"
+)
 """Blanks before a word end with the line: a script of empty lines is not read again from each."""
 _PRECEDENCE = {sign: level for level, signs in enumerate(LEVELS) for sign in signs}
 _PREFIXES: Mapping[str, Callable[[Any], Any]] = {

@@ -83,6 +83,12 @@ def grammar_faults(root: Element) -> Iterator[Fault]:
     yield from _faults(root)
 
 
+def belongs(child: Element, parent: Element) -> bool:
+    """Whether an element may stand inside another, as far as that is a matter of its kind."""
+    inside = _CHILDREN.get(parent.tag)
+    return inside is None or child.tag in inside.split()
+
+
 def _faults(element: Element) -> Iterator[Fault]:
     known = _ATTRIBUTES[element.tag].split()
     for name in element.attributes:
@@ -90,13 +96,12 @@ def _faults(element: Element) -> Iterator[Fault]:
             message = f"<{element.tag}> has no attribute '{name}'"
             hint = nearest(name, known, "remove it")
             yield Fault("unknown-attribute", message, element.place(name), hint)
-    inside = _CHILDREN.get(element.tag)
     for child in element.children:
         if child.tag.startswith(("{", "v:")):
             continue
-        if inside is not None and child.tag not in inside.split():
+        if not belongs(child, element):
             message = f"<{child.tag}> in <{element.tag}> is not supported"
-            hint = _HINTS.get(child.tag) or nearest(child.tag, inside.split())
+            hint = _HINTS.get(child.tag) or nearest(child.tag, _CHILDREN[element.tag].split())
             yield Fault("not-supported", message, child.where, hint)
         elif child.tag in _ATTRIBUTES and element.tag not in ("assign", "data", "content"):
             yield from _faults(child)

@@ -32,7 +32,7 @@ from fsm.scxml.content import Content, needed
 from fsm.scxml.datamodel import Names
 from fsm.scxml.document import Element
 from fsm.scxml.ecmascript import ECMASCRIPT
-from fsm.scxml.grammar import STATES, grammar_faults
+from fsm.scxml.grammar import STATES, belongs, grammar_faults
 from fsm.scxml.null import NO_DATA
 from fsm.scxml.python import PYTHON
 from fsm.scxml.sending import IO_PROCESSORS, SESSION
@@ -44,7 +44,7 @@ VOCABULARY = Vocabulary(reactions=dict.fromkeys(_ERRORS, "none"))
 """A host without names, which reacts to no event of a document."""
 
 _MODELS = {"ecmascript": ECMASCRIPT, "python": PYTHON, "null": NO_DATA}
-_NAME = re.compile(r"[^\W\d]\w*")
+_NAME = re.compile(r"(?:[^\W\d]|\$)[\w$]*")
 
 
 def descriptors_match(descriptors: str, event: str, _: Vocabulary = VOCABULARY) -> bool:
@@ -133,7 +133,8 @@ class _Loader:
         self.by_id[id_] = state
         self.elements.append(element)
         for child in element.all(*STATES):
-            self.grow(child, state)
+            if belongs(child, element):
+                self.grow(child, state)
 
     def graph(self) -> Graph:
         event_slot = self.first_slot + len(self.states)
