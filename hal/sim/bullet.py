@@ -39,8 +39,8 @@ _SUPPORTING = 0.5
 """A contact supports when its unit normal rises more than this: on slopes of less than 60°."""
 _STILL, _STILL_TURNING = 1e-3, 5e-3
 """Speed, m/s, and angular speed, rad/s, below which a body stands still."""
-_FALLS_ASLEEP = 24
-"""Steps for which it stands still before it falls asleep."""
+_STEPS_BETWEEN_LOOKS = 24
+"""A body that stands still at two looks, and was not pushed between them, falls asleep."""
 _ORIGIN = Point(0.0, 0.0, 0.0)
 
 
@@ -198,8 +198,9 @@ class Bullet:
                 body.keep_above(self._terrain)
         self._steps += 1
         self._p.stepSimulation(self._client)
-        for body in self._bodies:
-            body.settle()
+        if self._steps % _STEPS_BETWEEN_LOOKS == 0:
+            for body in self._bodies:
+                body.settle()
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
         hit = self._cast([start], [end])[0]
@@ -258,10 +259,9 @@ class BulletBody:
         self._activate = partial(p.changeDynamics, body, -1, physicsClientId=client)
         self._sleep = p.ACTIVATION_STATE_SLEEP | p.ACTIVATION_STATE_ENABLE_SLEEPING
         self._wake = p.ACTIVATION_STATE_WAKE_UP | p.ACTIVATION_STATE_DISABLE_SLEEPING
-        self._pushed = self._may_sleep = False
-        """In this step; and since it was last pushed."""
-        self._still = 0
-        """Number of steps for which it has stood still without being pushed."""
+        self._pushed = self._still = False
+        """Since the last look, and at it (see :meth:`settle`)."""
+        self._may_sleep = False
 
     def state(self) -> BodyState:
         position, attitude = self._position()
@@ -270,11 +270,8 @@ class BulletBody:
 
     def push(self, thrust: float, x: float, y: float, z: float) -> None:
         axes, client = self._own_axes, self._client
-        if self._may_sleep:
-            self._may_sleep = False
-            self._activate(activationState=self._wake)
-        self._still = 0
-        self._pushed = True
+        if not self._pushed:
+            self._wake_up()
         self._force((0.0, 0.0, thrust), (0.0, 0.0, 0.0), axes, client)
         self._torque((x, y, z), axes, client)
 
@@ -283,8 +280,6 @@ class BulletBody:
 
         There Bullet would not know which way is out.
         """
-        if self._still:
-            return
         position, _ = self._position()
         velocity, turning = self._velocity()
         slowed = slowed_above(terrain, position, velocity, self._thickness / 4)
@@ -292,22 +287,24 @@ class BulletBody:
             self._set_velocity(slowed, turning)
 
     def settle(self) -> None:
-        """After a step: let it fall asleep where nothing moves it.
+        """Take a look at it: where nothing has moved it since the last one it falls asleep.
 
         Awake, it creeps by up to 0.2 mm/s on a slope. Bullet wakes what is touched by something
         that is awake, as everything that moves is; :meth:`push` wakes it, too.
         """
-        if self._pushed:
-            self._pushed = False
-            return
         (u, v, w), (a, b, c) = self._velocity()
-        if u * u + v * v + w * w > _STILL**2 or a * a + b * b + c * c > _STILL_TURNING**2:
-            self._still = 0
-            return
-        self._still += 1
-        if self._still % _FALLS_ASLEEP == 0:
+        slow = u * u + v * v + w * w < _STILL**2 and a * a + b * b + c * c < _STILL_TURNING**2
+        if slow and self._still and not self._pushed:
             self._may_sleep = True
             self._activate(activationState=self._sleep)
+        self._still = slow and not self._pushed
+        self._pushed = False
+
+    def _wake_up(self) -> None:
+        self._pushed = True
+        if self._may_sleep:
+            self._may_sleep = False
+            self._activate(activationState=self._wake)
 
     def contacts(self) -> Contacts:
         support: Triple | None = None
