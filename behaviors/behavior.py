@@ -83,5 +83,6 @@ def describe(behavior: type[Behavior], name: str = "") -> BehaviorInfo:
         controls=tuple(behavior.controls),
         requires=tuple(behavior.requires),
         ends_landed=behavior.ends_landed,
+        takes_off="takeoff" in behavior.requires,
         implementation=behavior,
     )

@@ -48,6 +48,9 @@ class BehaviorInfo:
     controls: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     ends_landed: bool = False
+    """Every ``done`` leaves the vehicle on the ground."""
+    takes_off: bool = False
+    """It may leave the ground; a landed vehicle stays there under any other behaviour."""
     on_trust: bool = False
     """Only its name is known: it is not checked how a graph uses it."""
     implementation: Any = None

@@ -109,6 +109,8 @@ class Action:
     run: ActionFunction
     node: YamlNode | None = None
     """The value behind its word in the file, to show it."""
+    event: str = ""
+    """The event that it raises or sends to its own mission; empty for none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

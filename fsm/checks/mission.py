@@ -4,6 +4,7 @@ behaviours control the same thing.
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Collection, Iterator
 from functools import partial
 
@@ -13,7 +14,6 @@ from fsm.checks.structure import (
     dead_alternatives,
     endless_always,
     endless_states,
-    leaves,
     unreachable,
 )
 from fsm.host import Vocabulary, matches
@@ -234,12 +234,16 @@ def _never_done(graph: Graph) -> Iterator[Fault]:
 
 def _restarting_histories(graph: Graph) -> Iterator[Fault]:
     """A history state entered only from inside its parent, which is never left and remembered."""
-    for history in graph.nodes:
+    entering: dict[Node, list[Edge]] = {}
+    for edge in (edge for node in graph.nodes for edge in node.edges()):
+        for target in edge.targets:
+            if target.type == "history":
+                entering.setdefault(target, []).append(edge)
+    for history, edges in entering.items():
         parent = history.parent
-        if history.type != "history" or parent is None or not history.initial:
+        if parent is None or not history.initial:
             continue
-        edges = [edge for node in graph.nodes for edge in node.edges() if history in edge.targets]
-        if edges and all(edge.domain is parent or edge.domain is None for edge in edges):
+        if all(edge.domain is parent or edge.domain is None for edge in edges):
             yield Fault(
                 "empty-history",
                 f"'{parent.path or graph.name}' is not left on the way to '{history.path}', "
@@ -285,21 +289,26 @@ def _hidden_handlers(graph: Graph) -> Iterator[Fault]:
 
 
 def _left_landings(graph: Graph) -> Iterator[Fault]:
-    """Landings that a transition of a state around them can break off."""
-    for node in graph.nodes:
-        if not (node.invocation and node.invocation.behavior.ends_landed):
+    """Transitions of states around landings that can break them off."""
+    landings = [n for n in graph.nodes if n.invocation and n.invocation.behavior.ends_landed]
+    indices = [node.index for node in landings]
+    for outer in graph.nodes:
+        inside = landings[bisect(indices, outer.index) : bisect(indices, outer.last)]
+        if not inside:
             continue
-        for outer in node.ancestors:
-            for edge in outer.edges():
-                outcome = edge.kind == "on" and "." not in edge.trigger
-                if not outcome and leaves(edge, node):
-                    yield Fault(
-                        "left-landing",
-                        f"`{edge.kind} {edge.trigger}` can break off the landing in '{node.path}'",
-                        edge.where,
-                        "move the landing out of this state",
-                        severity="warning",
-                    )
+        more = f" and {len(inside) - 1} more" if len(inside) > 1 else ""
+        for edge in outer.edges():
+            outcome = edge.kind == "on" and "." not in edge.trigger
+            # Whatever leaves a state leaves all that is inside.
+            if not outcome and edge.domain is not None:
+                yield Fault(
+                    "left-landing",
+                    f"`{edge.kind} {edge.trigger}` can break off the landing in "
+                    f"'{inside[0].path}'{more}",
+                    edge.where,
+                    "move the landing out of this state",
+                    severity="warning",
+                )
 
 
 def _covers(vocabulary: Vocabulary, pattern: str, event: str) -> bool:

@@ -5,7 +5,7 @@ or left, transitions that can never be taken.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 
 from fsm.chart.entry_sets import default_entry
 from fsm.chart.graph import Edge, Graph, Node
@@ -17,12 +17,21 @@ def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator
 
     ``can_finish`` says of a region whether it can finish, and so end its parallel state.
     """
+    moves = [any(edge.domain is not None for edge in node.edges()) for node in graph.nodes]
+    leading_out = _regions_leading_out(graph)
     for node in graph.nodes:
         if node.children or node.type in ("final", "history"):
             continue
         if node.parent is graph.root and graph.root.type == "parallel" and can_finish(node):
             continue
-        if not any(leaves(edge, node) for place in _beside(graph, node) for edge in place.edges()):
+        around = (node, *node.ancestors)
+        # A transition leaves all that is inside its state, and one that leads out of a region all
+        # that is inside the other regions.
+        if not any(moves[place.index] for place in around) and not any(
+            region is not leading
+            for region, parent in pairwise(around)
+            for leading in leading_out.get(parent.index, ())
+        ):
             yield Fault(
                 "no-way-out",
                 f"nothing ever leaves '{node.path or graph.name}'",
@@ -31,14 +40,22 @@ def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator
             )
 
 
-def _beside(graph: Graph, node: Node) -> Iterator[Node]:
-    """The states that can be active together with one: itself, those around it, other regions'."""
-    around = (node, *node.ancestors)
-    yield from around
-    for region, parent in pairwise(around):
-        if parent.type == "parallel":
-            yield from graph.nodes[parent.index + 1 : region.index]
-            yield from graph.nodes[region.last + 1 : parent.last + 1]
+def _regions_leading_out(graph: Graph) -> dict[int, list[Node]]:
+    """For each parallel state, two of its regions from which a transition leads out of them; all
+    where there are fewer.
+    """
+    outermost = [node.index for node in graph.nodes]
+    for node in reversed(graph.nodes):
+        domains = (edge.domain.index for edge in node.edges() if edge.domain is not None)
+        children = (outermost[child.index] for child in node.children)
+        outermost[node.index] = min((node.index, *domains, *children))
+    return {
+        node.index: list(
+            islice((r for r in default_entry(node) if outermost[r.index] < r.index), 2)
+        )
+        for node in graph.nodes
+        if node.type == "parallel"
+    }
 
 
 def leaves(edge: Edge, node: Node) -> bool:
@@ -68,46 +85,61 @@ def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Itera
                         later.where,
                         "give the one before it a guard, or put this one first",
                     )
-        for index, (event, edges) in enumerate(node.on):
-            for pattern, earlier_edges in node.on[:index]:
-                takes_all = any(edge.guard is None for edge in earlier_edges)
-                if takes_all and edges and covers(pattern, event):
-                    yield Fault(
-                        "dead-alternative",
-                        f"'{event}' is never reached: '{pattern}' above it takes all",
-                        edges[0].where,
-                        f"put '{event}' before '{pattern}'",
-                    )
+        wide: list[str] = []
+        for pattern, edges in node.on:
+            above = next((each for each in wide if covers(each, pattern)), None)
+            if above is not None and edges:
+                yield Fault(
+                    "dead-alternative",
+                    f"'{pattern}' is never reached: '{above}' above it takes all",
+                    edges[0].where,
+                    f"put '{pattern}' before '{above}'",
+                )
+            if covers(pattern, f"{pattern}.more") and any(edge.guard is None for edge in edges):
+                wide.append(pattern)
 
 
 def endless_always(graph: Graph) -> Iterator[Fault]:
     """Loops of unguarded ``always`` transitions, which would never end."""
+    seen: set[int] = set()
     for start in graph.nodes:
-        node, seen = start, set[int]()
-        while True:
+        walk: dict[int, Edge] = {}
+        node: Node | None = start
+        while node is not None and node.index not in seen:
+            seen.add(node.index)
             edge = next((edge for edge in node.always if edge.guard is None), None)
-            if edge is not None and not edge.targets:
+            if edge is None:
+                break
+            if not edge.targets:
                 yield Fault(
                     "endless-always",
                     "this `always` leads nowhere and never ends",
                     edge.where,
                     "give it a target or a guard; what is to be done once belongs to `entry`",
                 )
-            if edge is None or len(edge.targets) != 1:
-                break
-            node = edge.targets[0]
-            while node.initial and len(node.initial) == 1 and not node.always:
-                node = node.initial[0]
-            if node is start:
-                yield Fault(
-                    "endless-always",
-                    "these `always` transitions never end",
-                    edge.where,
-                    "give one of them a guard",
-                )
-            if node is start or node.index in seen:
-                break
-            seen.add(node.index)
+            walk[node.index] = edge
+            node = _entered(edge)
+        if node is None or node.index not in walk:
+            continue
+        for edge in list(walk.values())[list(walk).index(node.index) :]:
+            yield Fault(
+                "endless-always",
+                "these `always` transitions never end",
+                edge.where,
+                "give one of them a guard",
+            )
+
+
+def _entered(edge: Edge) -> Node | None:
+    """The state in which a transition with one target ends, or the first on the way that has an
+    ``always`` of its own.
+    """
+    if len(edge.targets) != 1:
+        return None
+    (node,) = edge.targets
+    while node.initial and len(node.initial) == 1 and not node.always:
+        node = node.initial[0]
+    return node
 
 
 def unreachable(graph: Graph) -> Iterator[Fault]:
@@ -128,9 +160,6 @@ def unreachable(graph: Graph) -> Iterator[Fault]:
         for edge in node.edges():
             for target in edge.targets:
                 reach((target, *(target.initial if target.type == "history" else ())))
-                for ancestor in target.ancestors:
-                    if ancestor.type == "parallel":
-                        reach(default_entry(ancestor))
     for node in graph.nodes:
         inside_unreached = node.parent is not None and node.parent.index not in reached
         if node.index not in reached and not inside_unreached:

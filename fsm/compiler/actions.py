@@ -52,7 +52,9 @@ class Environment:
 
 def compile_action(spec: ActionSpec, environment: Environment) -> Action:
     """Compile an action. Raises UserError."""
-    return Action(spec.kind, spec.where, _COMPILERS[spec.kind](spec, environment), spec.node)
+    run = _COMPILERS[spec.kind](spec, environment)
+    event, _ = raised(spec) or ("", ())
+    return Action(spec.kind, spec.where, run, spec.node, event)
 
 
 def _log(spec: ActionSpec, environment: Environment) -> ActionFunction:

@@ -51,6 +51,9 @@ class Define:
     body: Scalar
     scope: Scope
     busy: bool = False
+    too_large: UserError | None = None
+    """The error, once it was found to be too large with the defines it uses: finding that out takes
+    long."""
 
 
 @dataclass(eq=False)

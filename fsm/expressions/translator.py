@@ -31,6 +31,7 @@ from fsm.values.types import (
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import LENGTH, RATIO
 
+TOO_LONG = "expression-too-long"
 MAX_COST = 10_000
 """The most parts of an expression, those of all defines included, counted at each use."""
 
@@ -207,18 +208,24 @@ class Translator:
     ) -> tuple[str, Type]:
         if define.busy:
             self.fail(node, "endless-define", f"'{define.name}' is defined by itself")
+        if define.too_large is not None:
+            raise define.too_large
         define.busy = True
         try:
             types = dict(zip(define.arguments, (type_ for _, type_ in given), strict=True))
             inner = Translator(define.body.text, start(define.body), define.scope, types)
             code, type_ = inner.translate()
+        except UserError as error:
+            if error.code == TOO_LONG:
+                define.too_large = error
+            raise
         finally:
             define.busy = False
         self.defined += inner.cost
         self.reads |= inner.reads
         self.loops = self.loops or inner.loops
         if self.cost > MAX_COST:
-            self.fail(node, "expression-too-long", "with its defines this expression is too large")
+            self.fail(node, TOO_LONG, "with its defines this expression is too large")
         self.namespace.update(
             {key: value for key, value in inner.namespace.items() if key != "__builtins__"}
         )
