@@ -148,7 +148,7 @@ class Pilot:
             return
         function = self.instance.graph.vocabulary.functions[name].implementation
         try:
-            self._calls.run(function, **{name: copied(value) for name, value in arguments.items()})
+            self._calls.run(lambda: function(**copied(dict(arguments))))
         except CodeFailed as error:
             self._lapses.add(str(error))
             raise EvaluationError(str(error)) from None

@@ -7,7 +7,6 @@ import signal
 from types import FrameType, TracebackType
 
 from cli.ending import leave
-from runner.run_folder import INTERRUPTED
 from vencejo.errors import Stopped
 
 LAST_WORDS = b"\nstopped; a vehicle in flight is left to its own failsafe\n"
@@ -35,7 +34,7 @@ class Interrupts:
             return
         if self._told:
             os.write(2, LAST_WORDS)
-            leave(INTERRUPTED)
+            leave(Stopped.exit_code)
         self._told = True
         raise Stopped
 

@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any, NoReturn
+from typing import IO, TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -23,8 +23,11 @@ from cli.ending import leave
 from cli.signals import LAST_WORDS, Interrupts
 from runner.call_limit import CallLimit
 from runner.process_settings import ProcessSettings
-from runner.run_folder import INTERRUPTED, Summary
 from vencejo.errors import Stopped, UserError, Where
+
+if TYPE_CHECKING:
+    # Commands that fly nothing do without what only flights need.
+    from runner.run_folder import Summary
 
 
 @contextmanager
@@ -49,7 +52,7 @@ def user_code(
             code = error.exit_code
         except Stopped:
             os.write(2, LAST_WORDS)
-            code = INTERRUPTED
+            code = Stopped.exit_code
         except Exception:
             sys.excepthook(*sys.exc_info())
         finally:
