@@ -46,6 +46,7 @@ class DroneActivity:
         self._post = post
         self._calls = calls or Calls()
         self._read_record = record_reader(info.publishes)
+        self._publishes = getattr(info.implementation, "publishes", None)
         self._start = start or channel.observation
         self._behavior: Behavior | None = None
         self._untold = ""
@@ -201,7 +202,7 @@ class DroneActivity:
     def _publish(self, record: Any) -> None:
         if self._over:
             raise NotInControl("a behaviour that was stopped publishes nothing")
-        declared = self.info.implementation.publishes
+        declared = self._publishes
         if declared is None or not isinstance(record, declared):
             known = "nothing" if declared is None else f"a {declared.__name__}"
             raise TypeError(f"{self.info.name} publishes {known}, not {kind_of(record)}")

@@ -172,7 +172,8 @@ class Pilot:
         seen = self.channel.observe(dt)
         self._note(seen)
         if self.outcome is None:
-            self._lapses.clear()
+            if self._lapses:
+                self._lapses.clear()
             for name, fields in self._watch.events(seen, dt):
                 if name == "vehicle.late":
                     self.instance.record("late", **fields)

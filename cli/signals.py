@@ -9,6 +9,9 @@ from types import FrameType, TracebackType
 from cli.ending import leave
 from vencejo.errors import Stopped
 
+_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 LAST_WORDS = b"\nstopped; a vehicle in flight is left to its own failsafe\n"
 
 
@@ -39,7 +42,7 @@ class Interrupts:
         raise Stopped
 
     def __enter__(self) -> Interrupts:
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in _SIGNALS:
             self._before[number] = signal.signal(number, self._handle)  # type: ignore[assignment]
         return self
 

@@ -235,24 +235,25 @@ class _Flying:
 
     def go_on(self, dt: float | None) -> None:
         """Fly on with a period of ``dt`` seconds until all vehicles are down, or cannot be."""
+        stops, log, pace = self.stops, self.log, self.pace
         periods = 0
         while dt is not None and self.aloft:
             periods += 1
             if periods % PERIODS_PER_SECOND == 0:
                 self._undo_changes()
-            if self.stops.count > self.answered:
-                self.answered = self.stops.count
+            if stops.count > self.answered:
+                self.answered = stops.count
                 self._stop(at_once=self.answered > 1)
             for craft in self.aloft:
                 craft.period(dt)
                 if craft.has_defect:
                     self._undo_changes()
             self._show()
-            if self.log.failure is not None:
+            if log.failure is not None:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
                 self._stop(at_once=True)
-            if self.pace.factor is not None:
-                self.pace.wait(self.aloft[0].pilot.channel.now, self._is_asked_more)
+            if pace.factor is not None:
+                pace.wait(self.aloft[0].pilot.channel.now, self._is_asked_more)
             self.aloft = [craft for craft in self.aloft if not craft.over]
             if self.aloft:
                 dt = self._wait()

@@ -498,6 +498,21 @@ def test_a_thread_that_is_left_behind_does_not_keep_the_program_alive(lasts: str
 
 
 @pytest.mark.slow
+def test_a_process_that_is_left_behind_does_not_keep_the_program_alive() -> None:
+    start = "import multiprocessing as m; m.get_context('fork').Process(target=wait).start()"
+    written("def wait():\n    time.sleep(20)\n" + behavior(start=start))
+    began = time.monotonic()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.cli.drone_cli", "run", "m.yaml"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    assert process.wait(timeout=15) == 0
+    assert time.monotonic() - began < 15
+
+
+@pytest.mark.slow
 def test_a_refused_import_that_left_a_thread_ends_too() -> None:
     written("threading.Thread(target=time.sleep, args=[1e6]).start()\nsys.exit()\n")
     assert in_a_process("check", "m.yaml").returncode == 2
