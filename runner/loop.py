@@ -249,7 +249,7 @@ class _Flying:
                 if craft.has_defect:
                     self._undo_changes()
             self._show()
-            if log.failure is not None:
+            if log.failure:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
                 self._stop(at_once=True)
             if pace.factor is not None:
