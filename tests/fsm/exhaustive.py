@@ -162,9 +162,15 @@ class Flights:
         if outside == {MUST_LAND}:
             self.answers.add(after)
         if not outside:
-            entries = self.instance.state.entries
-            kept = frozenset(due for due in at.due if entries.get(due[1]) == due[2] or due[1] < 0)
-            at.moves.append((after, kept))
+            at.moves.append((after, frozenset(self._kept(at, period))))
+
+    def _kept(self, at: _Situation, period: _Period) -> Iterator[Due]:
+        """What was due, of states that have not been left since; a sent event, unless it came."""
+        entries = self.instance.state.entries
+        come = at.state.delayed[0].event.name if period.sent else ""
+        for due in at.due:
+            if entries.get(due[1]) == due[2] or (due[1] < 0 and due[0] != come):
+                yield due
 
     def _fly(self, before: State, period: _Period, landed: bool) -> int | None:
         """The situation after one period; None where the host lands the vehicle."""
