@@ -333,6 +333,7 @@ class Macrosteps:
             if len(edges) > 1:
                 if len({edge.node.index for edge in edges}) < len(edges):
                     continue  # A state takes only one at a time.
+                self.spend(len(edges) ** 2 // SCANNED)
                 edges = tuple(without_conflicts(edges, in_conflict, outer_first))
             found[edges] = None
         return found
