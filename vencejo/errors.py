@@ -8,9 +8,12 @@ a defect of the program.
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterable
+from bisect import bisect
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
+from heapq import nlargest
 from typing import Literal, Self
 
 Severity = Literal["error", "warning"]
@@ -117,7 +120,7 @@ def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> st
     None when no word is known and there is no ``otherwise``.
     """
     options = sorted(set(known))
-    close = get_close_matches(word, options, n=1, cutoff=0.6)
+    close = get_close_matches(word, _of_like_letters(word, options), n=1, cutoff=0.6)
     if close:
         return f"did you mean '{close[0]}'?"
     if otherwise is not None:
@@ -126,3 +129,23 @@ def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> st
         return None
     listed = ", ".join(options[:12])
     return f"known: {listed}{', …' if len(options) > 12 else ''}"
+
+
+def _of_like_letters(word: str, options: Sequence[str]) -> list[str]:
+    """The few options whose letters are most like those of a word; of very many, only those around
+    it in the alphabet. A file may have thousands of wrong words, and comparing them in earnest with
+    all others would take minutes.
+    """
+    at, letters = bisect(options, word), _letters(word)
+    around = options[max(0, at - 50) : at + 50]
+
+    def likeness(option: str) -> float:
+        others = _letters(option)
+        return len(letters & others) / (1 + len(letters) + len(others))
+
+    return nlargest(5, around, likeness)
+
+
+@lru_cache(1000)
+def _letters(word: str) -> frozenset[str]:
+    return frozenset(word)

@@ -41,6 +41,8 @@ def test_one_error_carries_several_faults() -> None:
             None,
             "known: " + ", ".join(f"n{i:02}" for i in range(12)) + ", …",
         ),
+        ("blide", [f"a{i}" for i in range(999)] + ["glide", "slid"], None, "did you mean 'glide'?"),
+        ("glied", [f"g{i}" for i in range(99)] + ["glide", "slid"], None, "did you mean 'glide'?"),
     ],
 )
 def test_nearest(word: str, known: list[str], otherwise: str | None, hint: str | None) -> None:
