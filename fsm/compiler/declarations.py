@@ -16,7 +16,7 @@ from fsm.compiler.parameters import constant_value, named_type, read_parameter, 
 from fsm.compiler.tree import Tree
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, read_value
-from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT, Binding, Define, Scope
+from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT, Binding, Define, Scope, Size
 from fsm.faults import Faults
 from fsm.host import Parameter, Vocabulary
 from fsm.language.spec import ActionSpec, MissionSpec, Named, StateSpec
@@ -42,6 +42,7 @@ class Declarations:
         """The scope of each state, by its index."""
         self.graphs: dict[int, Namespace] = {}
         """The namespace of each graph, by the index of its root."""
+        self._size = Size()
         self._names: list[Namespace] = []
         """The namespace of each state, by its index."""
         self._declare_graph(tree.root)
@@ -78,7 +79,7 @@ class Declarations:
         return {state.path.removeprefix(around): state.index for state in inside}
 
     def _host_scope(self) -> Scope:
-        scope = Scope()
+        scope = Scope(size=self._size)
         scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
         for index, (name, type_) in enumerate(self.vocabulary.names.items()):
             scope.names[name] = Binding(name, "host", type_, FIRST_HOST_SLOT + index)

@@ -31,7 +31,6 @@ from fsm.values.types import (
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import LENGTH, RATIO
 
-TOO_LONG = "expression-too-long"
 MAX_COST = 10_000
 """The most parts of an expression, those of all defines included, counted at each use."""
 
@@ -99,6 +98,7 @@ class Translator:
         """The kinds of the names that its value depends on; empty for a constant."""
         self.loops = False
         """True with comprehensions, whose steps are counted in ``b``."""
+        scope.size.add_expression(where.file)
         self.parsed = parse(text, where)
         self.defined = 0
         """The number of parts of the defines it uses."""
@@ -127,6 +127,7 @@ class Translator:
 
     def visit(self, node: ast.expr) -> tuple[str, Type]:
         """The code and the type of a part of the expression. Raises UserError."""
+        self.scope.size.parts += 1
         visitor = _VISITORS.get(type(node))
         if visitor is None:
             cures = (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind))
@@ -179,15 +180,7 @@ class Translator:
     def _unknown(self, node: ast.AST, name: str) -> NoReturn:
         known = {*self.scope.visible(), *self.locals, *self.arguments}
         hint = nearest(name, known)
-        host = next(
-            (
-                host
-                for host in known
-                if isinstance(self.scope.find(host), Binding)
-                and name in _fields(self.scope.find(host))
-            ),
-            None,
-        )
+        host = next(self.scope.with_field(name), None)
         if host:
             hint = f"did you mean '{host}.{name}'?"
         elif name in fn.FUNCTIONS or name == "active":
@@ -208,24 +201,18 @@ class Translator:
     ) -> tuple[str, Type]:
         if define.busy:
             self.fail(node, "endless-define", f"'{define.name}' is defined by itself")
-        if define.too_large is not None:
-            raise define.too_large
         define.busy = True
         try:
             types = dict(zip(define.arguments, (type_ for _, type_ in given), strict=True))
             inner = Translator(define.body.text, start(define.body), define.scope, types)
             code, type_ = inner.translate()
-        except UserError as error:
-            if error.code == TOO_LONG:
-                define.too_large = error
-            raise
         finally:
             define.busy = False
         self.defined += inner.cost
         self.reads |= inner.reads
         self.loops = self.loops or inner.loops
         if self.cost > MAX_COST:
-            self.fail(node, TOO_LONG, "with its defines this expression is too large")
+            self.fail(node, "expression-too-long", "with its defines this expression is too large")
         self.namespace.update(
             {key: value for key, value in inner.namespace.items() if key != "__builtins__"}
         )
@@ -521,9 +508,3 @@ _VISITORS: Mapping[type[ast.expr], Callable[[Translator, Any], tuple[str, Type]]
     ast.ListComp: Translator._comprehension,
 }
 """The parts of Python that the language has; all others are refused."""
-
-
-def _fields(found: Binding | Define | None) -> Mapping[str, Type]:
-    if isinstance(found, Binding) and isinstance(found.type, MapOf):
-        return found.type.fields or {}
-    return {}

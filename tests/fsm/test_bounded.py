@@ -119,16 +119,56 @@ NASTY = {
     + "}\n"
     + LAND,
     "regions that no one leaves": included(STUCK, 100, AROUND),
-    "regions that go round": included(LOOP, 100, AROUND),
+    "regions that go round": included(LOOP, 45, AROUND),
     "graphs with histories": included(WITH_HISTORY, 100),
     "defines of defines": "define: {"
     + ", ".join(f"d{n}: d{n + 1} + d{n + 1}" for n in range(24))
     + ", d24: 1}\nstates:\n  s: {do: hover, when: {d0 > 3: land}}\n"
     + LAND,
+    "choices in every region": PARALLEL
+    + "".join(
+        f"      r{n}: {{states: {{a: {{always: {{guard: vehicle.armed, target: b}}}}, "
+        "b: {always: {guard: vehicle.armed, target: land}}}}\n"
+        for n in range(300)
+    )
+    + LAND,
+    "graphs with many conditions": included(
+        f"      s: {{do: hover, when: {{{conditions(1000, 't')}}}}}\n      t: {{do: hover}}\n", 400
+    ),
+    "graphs with long lists": included(
+        f"      s: {{do: hover, data: {{a: [{'1, ' * 2000}]}}, after: {{5 s: s}}}}\n", 40
+    ),
+    "uses of a large define": f"define:\n  d: '{'time + ' * 90}time'\n"
+    "states:\n  s:\n    do: hover\n    when:\n"
+    + "".join(f"      d > {n}: land\n" for n in range(3000))
+    + LAND,
+    "a chain of defines": "define: {"
+    + ", ".join(f"d{n}: d{n + 1} + 1" for n in range(2000))
+    + ", d2000: 1}\nstates:\n  s: {do: hover, when: {d0 > 3: land}}\n"
+    + LAND,
+    "long expressions": "states:\n  s:\n    do: hover\n    when:\n"
+    + "".join(f"      {'time + ' * 90}time > {n} s: land\n" for n in range(1000))
+    + LAND,
+    "names that no one knows": "data: {"
+    + ", ".join(f"flight{n}: {n}" for n in range(2000))
+    + "}\nstates:\n  s:\n    do: hover\n    when:\n"
+    + "".join(f"      fligth{n} > 3: land\n" for n in range(1800))
+    + LAND,
+    "targets that no one knows": "states:\n"
+    + "".join(f"  state{n}: {{do: hover, after: {{5 s: stade{n}}}}}\n" for n in range(1200))
+    + LAND,
+    "outcomes that no one has": "states:\n  p:\n    on: {"
+    + ", ".join(f"o{n}: land" for n in range(1500))
+    + "}\n    states:\n"
+    + "".join(f"      o{n}: {{type: final, outcome: o{n}}}\n" for n in range(1000))
+    + LAND,
 }
-
-
-QUICK = ("many histories", "a deep history of regions", "events sent in a circle")
+QUICK = (
+    "many histories",
+    "a deep history of regions",
+    "events sent in a circle",
+    "choices in every region",
+)
 
 
 @pytest.mark.parametrize("name", QUICK)
