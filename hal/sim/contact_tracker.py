@@ -53,6 +53,8 @@ class ContactTracker:
         self._touches: Sequence[Touch] = ()
         """Of the last physics step."""
         self._collisions = ContactDebouncer()
+        self._velocity: Triple = _STILL
+        """Before the next physics step, m/s, world frame."""
         self._may_stand = True
         """True in this period when it stands, rises or comes down: then it may touch the ground."""
         self._places: deque[tuple[float, float]] = deque(maxlen=40)
@@ -93,19 +95,21 @@ class ContactTracker:
         self.near_things = obstacles is None or obstacles.thing_near(*state[0])
         self._may_stand = may_stand
         self._touches = ()
+        self._velocity = state[2]
 
-    def update(self, velocity: Triple) -> None:
-        """Read the contacts after a physics step; ``velocity`` (m/s) is that before it."""
+    def update(self, state: BodyState) -> None:
+        """Read the contacts after a physics step."""
         self._touches = touches = self._body.contacts()
         for touch in touches:
             if touch.name:
-                self._collisions.add(touch.name, self._is_hit(touch, velocity))
+                self._collisions.add(touch.name, self._is_hit(touch))
+        self._velocity = state[2]
 
-    def _is_hit(self, touch: Touch, velocity: Triple) -> bool:
+    def _is_hit(self, touch: Touch) -> bool:
         nx, ny, nz = touch.normal
         if not self._may_stand or touch.free or nz < self._level:
             return True
-        vx, vy, vz = velocity
+        vx, vy, vz = self._velocity
         x, y, z = touch.velocity
         return (x - vx) * nx + (y - vy) * ny + (z - vz) * nz > _SOFT
 
@@ -114,7 +118,7 @@ class ContactTracker:
         obstacles = self._obstacles
         if not active:
             if self.near_things:
-                self.update(state[2])  # hit while it is parked: once a period is enough
+                self.update(state)  # hit while it is parked: once a period is enough
         elif not self.near_things and obstacles and state[0][2] < obstacles.ground:
             self._touches = self._body.contacts()  # the ground alone: no collision
         self._collisions.end_period()

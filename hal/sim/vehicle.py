@@ -107,13 +107,12 @@ class SimVehicle(BaseVehicle):
         self.cameras: Mapping[str, Camera] = {}
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = Controller(airframe)
-        self._control, self._push, self._read_state, self._moor = (
+        self._control, self._push, self._read_state = (
             self._controller.step,
             self._body.push,
             self._body.state,
-            self._body.moor,
         )
-        """The calls of each physics step and period, looked up once."""
+        """The calls of each physics step, looked up once."""
         self._motors_run = self._may_touch = False
         """In this mission period."""
         self._battery = Battery(airframe, charge)
@@ -295,6 +294,7 @@ class SimVehicle(BaseVehicle):
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
+        self._body.moor(mode == "landed")
         self._contacts.restart_rest()
         self._touchdown.restart()
         self._holding = False
@@ -408,8 +408,10 @@ class SimVehicle(BaseVehicle):
         self.begin_period()
         self._controller.plan(self._state)
         self._contacts.begin_period(self._state, self._mode in _MAY_STAND)
-        self._motors_run = self._armed and self._mode != "landed" and not self._touchdown.idle
-        self._moor(self._mode == "landed")
+        landed = self._mode == "landed"
+        self._motors_run = self._armed and not landed and not self._touchdown.idle
+        if landed:
+            self._body.moor(True)
         self._may_touch = self._contacts.near_things and self._is_active()
 
     def drive(self) -> None:
@@ -421,10 +423,10 @@ class SimVehicle(BaseVehicle):
 
     def sense(self) -> None:
         """Read the state and the contacts after a physics step."""
-        before, self._state = self._state, self._read_state()
-        self._add_pose(self._state)
+        self._state = state = self._read_state()
+        self._add_pose(state)
         if self._may_touch:
-            self._contacts.update(before[2])
+            self._contacts.update(state)
 
     def _is_active(self) -> bool:
         return self._armed or self._mode != "landed"
