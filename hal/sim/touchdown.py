@@ -10,7 +10,9 @@ from hal.sim.contact_tracker import ContactTracker
 from hal.sim.physics import BodyState
 
 _ON_EDGE = 2
-"""Mission periods at rest on one edge after which the thrust is cut."""
+"""Mission periods on one edge after which the thrust is cut."""
+_SWAYS = 0.05
+"""Height by which the centre of a vehicle on one edge may rise when it sways, metres."""
 _LYING = 5
 """Least mission periods without thrust before it is known that it stands."""
 _OVER_EDGE = 4
@@ -36,17 +38,19 @@ class Touchdown:
         self._contacts = contacts
         self._least_cosine = cos(airframe.steepest_ground + _TIPPED)
         length, width, _ = airframe.size
-        self._gap = hypot(length, width) / 2 * tan(airframe.steepest_ground)
-        """Most height above the ground of a level vehicle that touches a slope, metres."""
+        self._gap = hypot(length, width) / 2 * tan(airframe.steepest_ground) + _SWAYS
+        """Most height above the ground of a vehicle that touches a slope, metres."""
         self.idle = False
         """True when the thrust is cut, so that the vehicle lies down on what it touches."""
-        self._periods = self._over_edge = 0
+        self._periods = 0
         """Mission periods without thrust; before, of touching without coming down."""
+        self._on_edge = self._over_edge = 0
+        """Mission periods of touching with an edge: above ground, and above nothing near."""
 
     def restart(self) -> None:
         """Begin another landing, or none."""
         self.idle = False
-        self._periods = self._over_edge = 0
+        self._periods = self._on_edge = self._over_edge = 0
 
     def update(self, state: BodyState, height: float) -> Verdict:
         """Go on by a mission period; ``height`` (m) is that above what is straight below."""
@@ -56,8 +60,8 @@ class Touchdown:
         contacts = self._contacts
         if contacts.supported:
             # On a slope the level vehicle touches with one edge.
-            on_slope = contacts.still >= _ON_EDGE and height < self._gap
-            if on_slope or contacts.has_footing():
+            self._on_edge += height < self._gap
+            if self._on_edge >= _ON_EDGE or contacts.has_footing():
                 self.idle, self._periods = True, 0
                 return ""
             self._over_edge += height >= self._gap
