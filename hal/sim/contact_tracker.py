@@ -22,15 +22,12 @@ _FROM_BELOW = 0.1
 """Least upward part of the unit normal of what touches from below."""
 _SETTLED = 10
 """Mission periods at rest after which it has settled."""
-_CARRIED = 20
-"""Mission periods without contact after which a carrier is left, 0.5 s."""
 _BASE = 0.05
 """Horizontal distance from the centre of mass to which what it stands on reaches at least, in every
 direction, metres."""
 _DIRECTIONS = tuple((cos(k * pi / 8), sin(k * pi / 8)) for k in range(16))
 _FARTHEST_GROUND = 1000.0
 """Range of the search for the ground below, metres."""
-_STILL = (0.0, 0.0, 0.0)
 
 
 class ContactTracker:
@@ -53,7 +50,7 @@ class ContactTracker:
         self._touches: Sequence[Touch] = ()
         """Of the last physics step."""
         self._collisions = ContactDebouncer()
-        self._velocity: Triple = _STILL
+        self._velocity: Triple = (0.0, 0.0, 0.0)
         """Before the next physics step, m/s, world frame."""
         self._may_stand = True
         """True in this period when it stands, rises or comes down: then it may touch the ground."""
@@ -69,7 +66,6 @@ class ContactTracker:
         """Number of mission periods since it was touched from below."""
         self.thing = ""
         """Name of what touched it from below last; empty for the ground."""
-        self._carrier: Triple = _STILL
 
     @property
     def touched(self) -> tuple[str, ...]:
@@ -80,11 +76,6 @@ class ContactTracker:
     def settled(self) -> bool:
         """Whether it has been at rest for long enough to end a landing."""
         return self.still >= _SETTLED
-
-    @property
-    def carrier(self) -> Triple:
-        """Velocity of what carries it, or did a moment ago, m/s, world frame; else zero."""
-        return self._carrier if self.untouched < _CARRIED else _STILL
 
     def begin_period(self, state: BodyState, may_stand: bool) -> None:
         """Begin a mission period.
@@ -135,7 +126,7 @@ class ContactTracker:
         (x, y, _), _, velocity, (roll, pitch, _) = state
         level = [touch for touch in below if touch.normal[2] >= self._level and not touch.free]
         main = (level or below)[0]
-        self.untouched, self._carrier = 0, main.velocity
+        self.untouched = 0
         self.thing = next((touch.name for touch in below if touch.name), "")
         # On a moving carrier the vehicle rests when it moves along.
         resting = distance(velocity, main.velocity) < REST and hypot(roll, pitch) < _ROCKING

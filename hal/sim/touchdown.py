@@ -41,7 +41,8 @@ class Touchdown:
         self._gap = hypot(length, width) / 2 * tan(airframe.steepest_ground) + _SWAYS
         """Most height above the ground of a vehicle that touches a slope, metres."""
         self.idle = False
-        """True when the thrust is cut, so that the vehicle lies down on what it touches."""
+        """True when the thrust is cut: the vehicle lies down on what it touches, and comes to rest
+        on what moves."""
         self._periods = 0
         """Mission periods without thrust; before, of touching without coming down."""
         self._on_edge = self._over_edge = 0

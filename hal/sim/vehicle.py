@@ -473,19 +473,9 @@ class SimVehicle(BaseVehicle):
         elif verdict == "unstable":
             self._leave()
         else:
-            self._descend(height)
-
-    def _descend(self, height: float) -> None:
-        controller = self._controller
-        # Once something carries it, it comes to rest on that.
-        x, y, _ = self._contacts.carrier
-        carried = (x, y) != (0.0, 0.0)
-        self._braking = self._braking or carried
-        if self._braking:
-            controller.fly_at(x, y, 0.0)
-        if not carried:
             self._hold_when_at_rest()
-        controller.climb_at(-max(_TOUCHDOWN_SPEED, min(height, controller.max_climb)))
+            sinking = max(_TOUCHDOWN_SPEED, min(height, self._controller.max_climb))
+            self._controller.climb_at(-sinking)
 
     def _leave(self) -> None:
         """Rise from what it does not stand on, and hold there."""
