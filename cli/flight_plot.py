@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 from runner.run_folder import Run, Sample, read_run
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, cannot_write
+from vencejo.files import write_whole
 
 NAME = "flight.png"
 
@@ -85,6 +87,11 @@ def draw(folder: Path) -> Path:
         figure.legend(loc="outside lower center", ncols=min(6, len(states) + 1), fontsize=9)
     missions = dict.fromkeys(mission.name for mission in run.header.missions.values())
     figure.suptitle(f"{', '.join(missions)} in {run.header.world}")
-    path = folder / NAME
-    figure.savefig(path, dpi=110)
+    image, path = BytesIO(), folder / NAME
+    figure.savefig(image, format="png", dpi=110)
+    try:
+        write_whole(path, image.getbuffer())
+    except OSError as error:
+        message = "this picture cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(path))) from None
     return path

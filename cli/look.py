@@ -10,7 +10,7 @@ from hal.renderers import open_renderer
 from hal.scene.appearance import ARM, SIZE, quadrotor
 from hal.scene.lamps import lamp_things, lit_lamps
 from hal.vehicle import Intrinsics
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, cannot_write
 from vencejo.geometry import (
     OPTICAL,
     Point,
@@ -60,17 +60,18 @@ def render(
         image = opened.render(view(world, camera, at), LENS, 0.0, poses)
     finally:
         opened.close()
+    where, message = Where(str(file)), "this picture cannot be written"
+    hint = "its name ends in .png or .jpg and its folder exists"
     try:
-        done = cv2.imwrite(str(file), image)
+        done, data = cv2.imencode(file.suffix, image)
     except cv2.error:
         done = False
     if not done:
-        raise UserError(
-            "cannot-write",
-            "this picture cannot be written",
-            Where(str(file)),
-            "its name ends in .png or .jpg and its folder exists",
-        )
+        raise UserError("cannot-write", message, where, hint)
+    try:
+        file.write_bytes(data.data)
+    except OSError as error:
+        raise cannot_write(error, "cannot-write", message, where, hint) from None
 
 
 def _vehicles(world: World) -> tuple[dict[str, Thing], dict[str, Pose]]:

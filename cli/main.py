@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
-from vencejo.errors import UserError, nearest
+from cli.ending import not_kept_alive
+from cli.output import Output
+from vencejo.errors import OutputError, Stopped, UserError, Where, cannot_write, nearest
 from vencejo.version import __version__
 
 COMMANDS = {
@@ -91,38 +95,63 @@ def check_packages() -> None:
             )
 
 
+@not_kept_alive()
 def main() -> None:
     """The entry point: faults of a person are printed, never a traceback."""
+    _open_descriptors()
+    out, err = Output(sys.stdout), Output(sys.stderr)
+    with redirect_stdout(out), redirect_stderr(err):
+        code = _run(out)
+        out.flush()
+        if out.lost:
+            message = f"the output could not be written: {out.lost}"
+            click.echo(str(OutputError("output-lost", message)), err=True)
+        err.flush()
+    # What was found or flown stands in the other codes; these two say that all went well so far.
+    sys.exit(OutputError.exit_code if (out.lost or err.lost) and code in (0, 1) else code)
+
+
+def _open_descriptors() -> None:
+    """Keep files of the run from becoming standard output where that was closed (``>&-``)."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free: this one
+
+
+def _run(out: Output) -> int:
+    """Run the command of this process; its exit code."""
     try:
         check_packages()
-        app(prog_name="drone-cli", standalone_mode=False)
-    except UserError as error:
-        click.echo(str(error), err=True)
-        sys.exit(error.exit_code)
-    except click.exceptions.Exit as stop:
-        sys.exit(stop.exit_code)
-    except click.UsageError as error:
-        click.echo(_usage(error), err=True)
-        sys.exit(2)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-    except (click.Abort, KeyboardInterrupt):
-        sys.exit(130)
-    except BrokenPipeError:
-        from cli.view import silence
-
-        silence(sys.stdout)
-        sys.exit(0)
+        result = app(prog_name="drone-cli", standalone_mode=False, obj=out)
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+    except (click.Abort, KeyboardInterrupt, Stopped):
+        return 130
+    except (UserError, click.ClickException, OSError) as error:
+        fault = _fault(error)
+        click.echo(str(fault), err=True)
+        return fault.exit_code
+    # Click gives the exit code of --help and its like as the result.
+    return result if isinstance(result, int) else 0
 
 
-def _usage(error: click.UsageError) -> str:
-    """Click's complaint in our form, with what is near to a mistyped option or value."""
-    if isinstance(error, click.NoSuchOption):
-        options = [name for p in (error.ctx.command.params if error.ctx else ()) for name in p.opts]
-        hint = nearest(error.option_name, [o for o in options if o.startswith("--")])
-        fault = UserError("unknown-option", f"there is no option '{error.option_name}'", hint=hint)
-        return str(fault)
-    command = error.ctx.command_path if error.ctx else "drone-cli"
-    message = error.format_message().rstrip(".")
-    return str(UserError("bad-usage", message, hint=f"{command} --help"))
+def _fault(error: UserError | click.ClickException | OSError) -> UserError:
+    """What a person reads of an error, in our form."""
+    match error:
+        case UserError():
+            return error
+        case OSError():
+            where = Where(str(error.filename)) if error.filename else None
+            return cannot_write(error, "no-access", "this cannot be read or written", where)
+        case click.NoSuchOption():
+            options = error.ctx.command.params if error.ctx else []
+            names = [name for option in options for name in option.opts if name.startswith("--")]
+            message = f"there is no option '{error.option_name}'"
+            return UserError("unknown-option", message, hint=nearest(error.option_name, names))
+        case _:
+            context = error.ctx if isinstance(error, click.UsageError) else None
+            command = context.command_path if context else "drone-cli"
+            message = error.format_message().rstrip(".")
+            return UserError("bad-usage", message, hint=f"{command} --help")

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
+from typing import IO, cast
 
 import click
 
+from behaviors import Pilot
 from cli.options import (
     LimitSettings,
     MissionName,
     Speed,
     Word,
     assignments,
+    call_limit_option,
     cameras,
     limits,
     renderer_option,
     shadows_option,
 )
+from cli.output import Output, echo_json
 from cli.signals import Interrupts
+from cli.user_code import user_code
 from fsm import parse_parameters
+from fsm.engine.instance import Record
 from hal import backend_names
 from runner import missions
 from runner.appended_file import as_json as as_json_value
@@ -33,8 +38,8 @@ from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
-from runner.run_folder import INTERRUPTED, summary_fields
-from vencejo.errors import UserError
+from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
+from vencejo.errors import OutputError, Stopped, UserError
 
 
 @click.command()
@@ -108,10 +113,13 @@ from vencejo.errors import UserError
     is_flag=True,
     help="Do not keep the camera pictures that behaviours read, to save space.",
 )
+@call_limit_option
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
+@click.pass_obj
 def run(
+    out: Output,
     mission: str,
     backend: str,
     connect: str | None,
@@ -127,15 +135,18 @@ def run(
     shadows: bool,
     runs_dir: Path,
     no_frames: bool,
+    call_limit: float | None,
     as_json: bool,
 ) -> None:
     """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
 
     Exit code: 0 the mission ended in `done`, 1 in another outcome, 2 it or its arguments are
-    wrong, 3 the vehicle failed, 130 interrupted (and landed). Ctrl-C once asks the mission to
-    stop, twice lands at once, thrice stops the program.
+    wrong, 3 the vehicle failed, 4 it flew and landed, but record or output could not be written,
+    130 interrupted (and landed). Ctrl-C once asks the mission to stop, twice lands at once, thrice
+    stops the program.
     """
-    prepared = prepare(missions.find(mission), world)
+    with user_code(call_limit) as limit:
+        prepared = prepare(missions.find(mission), world, calls=limit.calls)
     values = parse_parameters(prepared.graph, parameters)
     for fault in prepared.graph.warnings:
         click.echo(str(fault), err=True)
@@ -164,13 +175,17 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    sys.exit(_fly(plan, speed, record, as_json))
+    sys.exit(_fly(plan, speed, call_limit, record, None if as_json else out))
 
 
 def _fly(
-    plan: Plan, speed: float | None, new_recorder: Callable[[], Recorder], as_json: bool
+    plan: Plan,
+    speed: float | None,
+    call_limit: float | None,
+    new_recorder: Callable[[], Recorder],
+    out: Output | None,
 ) -> int:
-    """Fly, show and record; the exit code."""
+    """Fly, record and show on ``out``, or print JSON at the end; the exit code."""
     made: list[Recorder] = []
 
     def record() -> Recorder:
@@ -183,53 +198,92 @@ def _fly(
 
     try:
         with ExitStack() as stack:
+
+            def landed(summary: Summary) -> int:
+                """The end of a flight in which a call did not end; the exit code."""
+                stack.close()
+                return _finish(summary, made[0], out)
+
+            limit = stack.enter_context(user_code(call_limit, landed))
             stops = stack.enter_context(Interrupts())
-            watchers = [] if as_json else [_watcher(plan, speed, stops, stack)]
-            summary = fly(plan, record, watchers, Pace(speed), stops)
-    except KeyboardInterrupt:
+            watchers = _watchers(plan, speed, out, stops, stack) if out else ()
+            summary = fly(plan, record, watchers, Pace(speed), stops, limit)
+    except Stopped:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
         if made:
             click.echo(f"run folder: {made[0].folder}", err=True)
         sys.exit(INTERRUPTED)
-    folder = made[0].folder
-    made[0].write_summary(summary)
-    for name, flown in summary.vehicles.items():
-        if flown.failure:
-            click.echo(f"{name}: {flown.failure}", err=True)
-    _draw(folder)
-    fields = summary_fields(summary, folder)
-    if as_json:
-        click.echo(json.dumps(fields, ensure_ascii=False, default=as_json_value))
-    else:
-        from cli.view import show_summary
-
-        show_summary(fields, sys.stdout)
-    return summary.exit_code
+    return _finish(summary, made[0], out)
 
 
-def _watcher(plan: Plan, speed: float | None, stops: Interrupts, stack: ExitStack) -> Watcher:
-    """The live view on a terminal, plain lines elsewhere."""
+def _finish(summary: Summary, recorder: Recorder, out: Output | None) -> int:
+    """Write and show how a flight ended; the exit code."""
+    with Interrupts():  # one Ctrl-C more than the flight needed must not hide how it ended
+        folder = recorder.folder
+        summary = _summarized(recorder, summary)
+        for name, flown in summary.vehicles.items():
+            if flown.failure:
+                click.echo(f"{name}: {flown.failure}", err=True)
+        if summary.unrecorded:
+            click.echo(summary.unrecorded, err=True)
+        no_room = _draw(folder)
+        fields = summary_fields(summary, folder)
+        if out is None:
+            echo_json(fields, default=as_json_value)
+        else:
+            from cli.view import show_summary
+
+            show_summary(fields)
+        return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
+
+
+def _summarized(recorder: Recorder, summary: Summary) -> Summary:
+    """The summary, written down, and that it could not be where it could not."""
+    try:
+        recorder.write_summary(summary)
+    except UserError as error:
+        return replace(summary, unrecorded=summary.unrecorded or str(error))
+    return summary
+
+
+def _watchers(
+    plan: Plan, speed: float | None, out: Output, stops: Interrupts, stack: ExitStack
+) -> list[Watcher]:
+    """The live view on a terminal that can draw it, plain lines elsewhere."""
     from rich.console import Console
 
     from cli.view import LiveView, PlainView
 
-    console = Console()
-
-    def closed() -> None:
-        # Nobody is there any more (`| head`, a closed terminal): land and end.
-        if stops.count < 2:
-            stops.request(2)
-
-    if not console.is_terminal:
-        return PlainView(sys.stdout, closed)
+    console = Console(file=cast(IO[str], out))
+    if not console.is_terminal or console.is_dumb_terminal or not out.unicode:
+        return [PlainView(out), _Reader(out, stops)]
     (assignment,) = plan.assignments.values()
-    return stack.enter_context(LiveView(assignment.prepared.graph, console, speed, closed))
+    view = stack.enter_context(LiveView(assignment.prepared.graph, console, speed))
+    return [view, _Reader(out, stops)]
 
 
-def _draw(folder: Path) -> None:
+@dataclass(frozen=True)
+class _Reader:
+    """Lands the vehicle when nobody is there to read any more: `| head`, a closed terminal."""
+
+    out: Output
+    stops: Interrupts
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        if self.out.gone and self.stops.count < 2:
+            self.stops.request(2)
+
+
+def _draw(folder: Path) -> bool:
+    """Draw the run's picture; True when the disk had no room for it."""
     from cli.flight_plot import draw
 
     try:
-        draw(folder)
-    except (OSError, UserError) as error:
+        with Interrupts(last=1):
+            draw(folder)
+    except UserError as error:
         click.echo(f"no picture: {error}", err=True)
+        return isinstance(error, OutputError)
+    except Stopped:
+        click.echo(f"no picture: interrupted; drawn by `drone-cli picture {folder}`", err=True)
+    return False

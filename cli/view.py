@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from typing import IO
+from collections.abc import Sequence
 
+import click
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.panel import Panel
@@ -15,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from behaviors import Pilot
+from cli.output import Output
 from cli.sketch import Sketch
 from fsm import Graph, Node
 from fsm.engine.instance import Record
@@ -54,10 +53,8 @@ def note(kind: str, fields: dict[str, object]) -> str | None:
 class PlainView:
     """One line for every state entered and everything noteworthy."""
 
-    def __init__(self, out: IO[str], closed: Callable[[], None]) -> None:
+    def __init__(self, out: Output) -> None:
         self._out = out
-        self._closed = closed
-        self._open = True
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         seen = pilot.channel.observation
@@ -74,21 +71,7 @@ class PlainView:
                 self._say(seen.time, f"  {text}")
 
     def _say(self, time_: float, text: str) -> None:
-        if not self._open:
-            return
-        try:
-            print(f"{clock(time_):>8}  {text}", file=self._out, flush=True)
-        except OSError:
-            # The reader is gone (`| head`, a closed terminal): say no more, and tell the flight.
-            self._open = False
-            silence(self._out)
-            self._closed()
-
-
-def silence(out: IO[str]) -> None:
-    """Send what is still buffered for a closed pipe nowhere, so that Python's exit stays quiet."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), out.fileno())
+        print(f"{clock(time_):>8}  {text}", file=self._out, flush=True)
 
 
 def _height(pilot: Pilot) -> str:
@@ -104,17 +87,8 @@ def _figures(pilot: Pilot) -> str:
 class LiveView:
     """The state tree, figures and a map, redrawn in place; use it in a ``with``."""
 
-    def __init__(
-        self,
-        graph: Graph,
-        console: Console,
-        factor: float | None,
-        closed: Callable[[], None] = lambda: None,
-    ) -> None:
+    def __init__(self, graph: Graph, console: Console, factor: float | None) -> None:
         self._graph = graph
-        self._console = console
-        self._closed = closed
-        self._open = True
         self._factor = factor
         self._sketch = Sketch(columns=min(44, max(20, console.width - 46)), rows=14)
         self._places: list[Point] = []
@@ -128,10 +102,7 @@ class LiveView:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        try:
-            self._live.stop()
-        except OSError:
-            silence(self._console.file)
+        self._live.stop()
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         if self._wall is None:
@@ -148,17 +119,7 @@ class LiveView:
         now = time.monotonic()
         if now - self._drawn >= REFRESH or pilot.finished:
             self._drawn = now
-            self._draw(self.picture(pilot, now - self._wall))
-
-    def _draw(self, picture: RenderableType) -> None:
-        if not self._open:
-            return
-        try:
-            self._live.update(picture, refresh=True)
-        except OSError:
-            self._open = False
-            silence(self._console.file)
-            self._closed()
+            self._live.update(self.picture(pilot, now - self._wall), refresh=True)
 
     def picture(self, pilot: Pilot, wall: float) -> RenderableType:
         """The view of this moment, ``wall`` seconds after the first."""
@@ -210,8 +171,8 @@ def _battery_style(level: float) -> str:
     return "green" if level > 0.3 else "yellow" if level > 0.15 else "bold red"
 
 
-def show_summary(summary: dict[str, object], out: IO[str]) -> None:
-    """The end of a run, for a person; the run folder comes last."""
+def show_summary(summary: dict[str, object]) -> None:
+    """Print the end of a run for a person; the run folder comes last."""
     good = "✔" if summary["success"] else "✘"
     reason = f" — {summary['reason']}" if summary["reason"] else ""
     lines = [
@@ -224,7 +185,4 @@ def show_summary(summary: dict[str, object], out: IO[str]) -> None:
         lines.append(f"  output: {as_text(summary['output'])}")
     if summary["run_folder"]:
         lines.append(f"run folder: {summary['run_folder']}")
-    try:
-        print("\n".join(lines), file=out, flush=True)
-    except OSError:
-        silence(out)
+    click.echo("\n".join(lines))

@@ -31,7 +31,7 @@ TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
 _ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
 ALONE = "drone"
 """The name of a vehicle that flies alone: its run's header and summary need not name it."""
-SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, INTERRUPTED = 0, 1, 3, 130
+SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130
 """Exit codes of runs that have flown."""
 RawLine = TypeVar("RawLine")
 Read = TypeVar("Read")
@@ -159,6 +159,8 @@ class Summary:
     """True when the run was asked to stop."""
     versions: Mapping[str, str]
     """Versions of the packages that the result may depend on, and of Python."""
+    unrecorded: str = ""
+    """The fault because of which the run folder is not whole; empty when it is."""
 
     @property
     def alone(self) -> Flown:
@@ -174,12 +176,15 @@ class Summary:
     @property
     def exit_code(self) -> int:
         """0 when every mission ended in ``done``, 3 when a vehicle or its link failed, 130 when
-        interrupted, else 1.
+        interrupted, 4 when the run could not be recorded, else 1; the first of these that holds,
+        from the gravest: 3, 130, 4.
         """
         if any(flown.failure for flown in self.vehicles.values()):
             return VEHICLE_FAILED
         if self.interrupted:
             return INTERRUPTED
+        if self.unrecorded:
+            return NOT_RECORDED
         done = all(flown.outcome == "done" for flown in self.vehicles.values())
         return SUCCESS if done else OTHER_OUTCOME
 
@@ -336,6 +341,7 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
         "backend": header.backend,
         "engine": header.engine,
         "versions": dict(summary.versions),
+        **({"unrecorded": summary.unrecorded} if summary.unrecorded else {}),
         "run_folder": str(folder) if folder else None,
     }
     return _joined(vehicles, run, _SUMMARY_ORDER)
@@ -345,7 +351,7 @@ _SUMMARY_ORDER = (
     *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
     *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
-    *("versions", "run_folder"),
+    *("versions", "unrecorded", "run_folder"),
 )
 """Order of the keys for a person to read: the results come first."""
 
@@ -583,6 +589,7 @@ def _summary_of(fields: Mapping[str, Any], header: Header) -> Summary:
         wall_time=fields["wall_time_s"],
         interrupted=fields["exit_code"] == INTERRUPTED,
         versions=fields["versions"],
+        unrecorded=fields.get("unrecorded", ""),
     )
 
 

@@ -7,6 +7,7 @@ a defect of the program.
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -79,6 +80,35 @@ class VehicleError(UserError):
     """The vehicle, its simulator or the link to it failed."""
 
     exit_code = 3
+
+
+class OutputError(UserError):
+    """All went well, but the result could not be written: a full disk, for instance."""
+
+    exit_code = 4
+
+
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
+
+def cannot_write(
+    error: OSError, code: str, message: str, where: Where | None = None, hint: str | None = None
+) -> UserError:
+    """The error to raise where a file could not be written; ``message`` gets the system's reason.
+
+    It is an OutputError where the disk is to blame, else the place given is.
+    """
+    kind = OutputError if error.errno in _NO_ROOM else UserError
+    return kind(code, f"{message}: {error.strerror or error}", where, hint)
+
+
+class Stopped(BaseException):
+    """The operator stops the program: all that guards people's code lets through.
+
+    A command that it ends has this ``exit_code``.
+    """
+
+    exit_code = 130
 
 
 def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> str | None:

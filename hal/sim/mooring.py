@@ -7,8 +7,8 @@ from typing import Any
 
 from hal.sim.body_registry import GAP, BodyRegistry
 
-_HOLD = 100.0
-"""Largest force of a mooring, newtons; some 200 m/s² for a vehicle."""
+_HOLD = 10_000.0
+"""Largest force of a mooring, newtons: enough where its carrier turns about, at a corner."""
 _SLIPS = 0.1
 """Speed over what carries it from which a body is not moored, m/s."""
 

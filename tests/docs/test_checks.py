@@ -9,7 +9,16 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("vencejo", "fsm", "behaviors", "worlds", "hal", "runner", "cli")
-REPORTERS = {"UserError", "VehicleError", "Fault", "Misfit", "fail", "warn"}
+REPORTERS = {
+    "UserError",
+    "VehicleError",
+    "OutputError",
+    "cannot_write",
+    "Fault",
+    "Misfit",
+    "fail",
+    "warn",
+}
 CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 
 

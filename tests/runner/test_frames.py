@@ -117,8 +117,8 @@ def test_a_flight_that_cannot_be_recorded_any_more_lands_first(
     monkeypatch.setattr(Recorder, "take", full_after_3_s)
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
-    with pytest.raises(UserError, match="no room"):
-        fly(plan, lambda: Recorder(tmp_path), [Watch()])
+    summary = fly(plan, lambda: Recorder(tmp_path), [Watch()])
+    assert (summary.unrecorded, summary.exit_code) == ("error: no room [cannot-record]", 4)
     assert seen[0][0] < 3 < seen[-1][0] < 12
     assert any(flying for time, flying in seen if time > 3)
     assert not seen[-1][1]
