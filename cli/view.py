@@ -173,8 +173,10 @@ def _battery_style(level: float) -> str:
 
 def show_summary(summary: dict[str, object]) -> None:
     """Print the end of a run for a person; the run folder comes last."""
-    good = "✔" if summary["success"] else "✘"
+    good = "✘" if not summary["success"] else "✔" if summary["left_ground"] else "–"
     reason = f" — {summary['reason']}" if summary["reason"] else ""
+    if not summary["left_ground"]:
+        reason += " — but it never left the ground"
     lines = [
         f"{good} {summary['mission']} ended in '{summary['outcome']}'{reason}",
         f"  {summary['mission_time_s']} s flown in {summary['wall_time_s']} s"

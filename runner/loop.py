@@ -115,6 +115,7 @@ class _Craft:
     """Time at which the run began, seconds of the session's clock."""
     distance: float = 0.0
     max_altitude: float = 0.0
+    left_ground: bool = False
     failure: VehicleError | None = None
     """The error because of which it could not be landed; None for none."""
     _last: Point | None = None
@@ -137,6 +138,7 @@ class _Craft:
         if self._last is not None:
             self.distance += distance(self._last, position)
         self.max_altitude = max(self.max_altitude, position.z - channel.frame.origin.z)
+        self.left_ground = self.left_ground or channel.world.flying
         self._last = position
 
     def lose(self, error: VehicleError) -> None:
@@ -155,6 +157,7 @@ class _Craft:
             max_altitude=self.max_altitude,
             battery=pilot.channel.observation.battery,
             failure=self.failure.faults[0].message if self.failure else "",
+            left_ground=self.left_ground,
         )
 
 

@@ -144,6 +144,8 @@ class Flown:
     """Charge left, 0 to 1."""
     failure: str = ""
     """The reason why the vehicle could not be landed; empty when it was."""
+    left_ground: bool = True
+    """Whether it was off the ground at any time."""
 
 
 @dataclass(frozen=True)
@@ -350,6 +352,7 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
 _SUMMARY_ORDER = (
     *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
+    "left_ground",
     *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
     *("versions", "unrecorded", "run_folder"),
 )
@@ -364,6 +367,7 @@ def _flown_fields(flown: Flown) -> dict[str, Any]:
         "mission_time_s": round(flown.mission_time, 6),
         "distance_m": round(flown.distance, 2),
         "max_altitude_m": round(flown.max_altitude, 2),
+        "left_ground": flown.left_ground,
         "battery_left": round(flown.battery, 4),
         **({"failure": flown.failure} if flown.failure else {}),
     }
@@ -603,4 +607,5 @@ def _flown_of(fields: Mapping[str, Any]) -> Flown:
         max_altitude=fields["max_altitude_m"],
         battery=fields["battery_left"],
         failure=fields.get("failure", ""),
+        left_ground=fields.get("left_ground", True),
     )

@@ -53,6 +53,16 @@ def test_the_run_folder_holds_what_was_flown(hop: str) -> None:
     assert summary["mission_time_s"] > 2
     assert summary["realtime_factor"] > 1
     assert 1.8 < summary["max_altitude_m"] < 2.2
+    assert summary["left_ground"] is True
+
+
+def test_a_flight_that_never_left_the_ground_is_not_praised(write: Write) -> None:
+    write("stay.yaml", "states: {a: {after: {1 s: b}}, b: {type: final}}\n")
+    result = run_cli("run", "stay.yaml")
+    assert result.code == 0
+    assert "✔" not in result.out
+    assert "– stay ended in 'done' — but it never left the ground" in result.out
+    assert json.loads((only_run() / "summary.json").read_text())["left_ground"] is False
 
 
 def test_the_log_numbers_its_lines_and_says_what_happened(hop: str) -> None:
