@@ -37,7 +37,7 @@ from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
-from vencejo.errors import OutputError, UserError
+from vencejo.errors import Fault, OutputError, UserError
 
 
 @click.command()
@@ -142,8 +142,9 @@ def run(
     stops the program.
     """
     prepared = prepare(missions.find(mission), world)
-    values = parse_parameters(prepared.graph, parameters)
-    for fault in prepared.graph.warnings:
+    doubtful: list[Fault] = []
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    for fault in (*prepared.graph.warnings, *doubtful):
         click.echo(str(fault), err=True)
     settings: dict[str, object] = {}
     if backend == "sim":
