@@ -4,6 +4,7 @@ or left, transitions that can never be taken.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
@@ -11,6 +12,9 @@ from fsm.chart.entry_sets import default_entry
 from fsm.chart.graph import After, Edge, Graph, Node
 from fsm.expressions.compiled import Compiled
 from vencejo.errors import Fault
+
+_FLIPPED = re.compile(r"\(([^\s()]+) >(=?) ([^\s()]+)\)")
+"""Compiled code of `a > b`, which says the same as `b < a`."""
 
 
 def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator[Fault]:
@@ -191,7 +195,8 @@ def repeated_conditions(graph: Graph) -> Iterator[Fault]:
 def _repeated(conditions: Sequence[Compiled], what: str) -> Iterator[Fault]:
     first: dict[str, Compiled] = {}
     for condition in conditions:
-        known = first.setdefault(condition.code, condition) if condition.code else condition
+        said = _FLIPPED.sub(r"(\3 <\2 \1)", condition.code)
+        known = first.setdefault(said, condition) if said else condition
         if known is not condition:
             yield Fault(
                 "same-condition",

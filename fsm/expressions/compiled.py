@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fsm.expressions.constants import warn_of_angle
 from fsm.expressions.scope import Scope
 from fsm.expressions.syntax import too_deep
 from fsm.expressions.translator import Translator
@@ -86,6 +87,8 @@ def compile_expression(
     is_constant = not translator.reads and not arguments
     if is_constant:
         _require_fit(function, type_, wanted, where)
+        if isinstance(type_, Number) and type_.dimension is None:
+            warn_of_angle(scope, function([], None), text, wanted, where)
     return Compiled(
         type_, function, text, where, is_constant, frozenset(translator.reads), code=code
     )
@@ -132,7 +135,7 @@ def _simple(code: str) -> Evaluator | None:
 def _compiled(
     code: str, arguments: Iterable[str], translator: Translator, where: Where
 ) -> Evaluator:
-    names = ", ".join(["s", "e", *(f"a_{name}" for name in arguments)])
+    names = "s, e" + "".join([f", a_{name}" for name in arguments])
     try:
         # `code` is made of our own pieces only: see the module's docstring.
         source = compile(f"lambda {names}: {code}", f"<{where}>", "eval")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import Any, NoReturn
 
-from fsm.expressions.constants import literal, turning_unit, value_of, warn_of_angle
+from fsm.expressions.constants import literal, value_of, warn_of_angle
 from fsm.expressions.scope import CONFIGURATION_SLOT, TIME_SLOT, Binding, Define, Scope, start
 from fsm.expressions.syntax import parse, too_deep
 from fsm.values import functions as fn
@@ -137,8 +137,8 @@ class Translator:
             code, type_ = self.visit(tree)
         except RecursionError:
             raise too_deep(self.parsed.where) from None
-        if condition and isinstance(type_, Bool):
-            self._note_condition(tree, code, 0, 0)
+        if condition and not self._varying and isinstance(type_, Bool):
+            self._note_condition(tree, code, 0)
         for node, part in self._conditions:
             value = self._known(node, part, len(self._varying))
             if value is not None:
@@ -150,14 +150,13 @@ class Translator:
                 )
         return code, type_
 
-    def _note_condition(self, node: ast.expr, code: str, varying: int, told: int) -> None:
-        """Note a condition that is constant; ``varying`` names and ``told`` conditions were known
-        before it.
+    def _note_condition(self, node: ast.expr, code: str, told: int) -> None:
+        """Note a condition that is constant; ``told`` of them were known before it.
 
         The name of a define is left alone: its own place is told, and `debug: false` is meant so.
         """
         named = isinstance(node, ast.Name) and node.id not in _WORDS
-        if len(self._varying) == varying and not named:
+        if not named:
             self._conditions[told:] = [(node, code)]
 
     @cached_property
@@ -373,7 +372,8 @@ class Translator:
         varying, told = len(self._varying), len(self._conditions)
         code, type_ = self.visit(node)
         if isinstance(type_, Bool):
-            self._note_condition(node, code, varying, told)
+            if len(self._varying) == varying:
+                self._note_condition(node, code, told)
             return code
         if isinstance(type_, AnyType):
             return f"{self.use('truth', fn.truth)}({code})"
@@ -422,7 +422,11 @@ class Translator:
                 cure and f"use {cure}",
             )
         left, a = self._number(node.left)
+        varying = len(self._varying)
         right, b = self._number(node.right)
+        if symbol == "/" and self._known(node.right, right, varying) == 0:
+            message = "this has no value: a division by zero"
+            self.fail(node, "no-value", message, "correct the constant")
         if symbol in "+-":
             self._alike(node, a, b, f"the two sides of `{symbol}`")
             if type(node.left) in _LITERALS or type(node.right) in _LITERALS:
@@ -433,7 +437,7 @@ class Translator:
     def _angles(self, nodes: list[ast.expr], types: Iterable[Type]) -> None:
         """Warn of bare numbers above a full turn beside angles and turn rates."""
         for place in types:
-            if turning_unit(place) is not None:
+            if isinstance(place, Number) and place.dimension and place.dimension.angle:
                 break
         else:
             return
@@ -476,8 +480,10 @@ class Translator:
                 for side in (index, index + 1):
                     ordered[side] = self._ordered(operands[side], *found[side])
         # One chain, as in Python, so that what stands in the middle is evaluated once.
-        rest = (f" {symbol} {code}" for symbol, code in zip(symbols, ordered[1:], strict=True))
-        return f"({ordered[0]}{''.join(rest)})", BOOL
+        chain = ordered[0]
+        for symbol, code in zip(symbols, ordered[1:], strict=True):
+            chain += f" {symbol} {code}"
+        return f"({chain})", BOOL
 
     def _contained(self, node: ast.Compare, found: list[tuple[str, Type]]) -> str:
         """The code of `a in b`; the element must be able to equal what is in there."""

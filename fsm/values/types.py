@@ -173,11 +173,14 @@ def fits(place: Type, given: Type) -> bool:
     """Whether a value of the type ``given`` may stand in a place of type ``place``, as far as that
     is known before the flight.
     """
+    if isinstance(place, Number) and isinstance(given, Number):
+        asked, found = place.dimension, given.dimension
+        if asked is None or found is None or asked == found:
+            return True
+        return found == _without_angle(asked)
     if isinstance(place, AnyType) or isinstance(given, AnyType) or place == given:
         return True
     match place, given:
-        case Number(dimension=a), Number(dimension=b):
-            return a is None or b is None or a == b or b == _without_angle(a)
         case HeadingType(), Number():
             return fits(Number(ANGLE), given)
         case ListOf(item=a), ListOf(item=b):

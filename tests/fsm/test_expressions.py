@@ -234,6 +234,8 @@ def test_quantities_are_exact() -> None:
         # constants without a value, wherever they stand
         ("1 / 0", "no-value 1"),
         ("n > 1 / 0", "no-value 5"),
+        ("n / 0", "no-value 1"),
+        ("1 + h / (2 m - 2 m)", "no-value 5"),
         ("yes or 1 / 0 > n", "no-value 8"),
         ("n if yes else 1 / 0", "no-value 15"),
         ("[n, 1 / 0]", "no-value 5"),
