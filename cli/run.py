@@ -232,7 +232,8 @@ def _watchers(
 ) -> list[Watcher]:
     """The live view on a terminal that can draw it, plain lines elsewhere."""
     console = _console(out)
-    if not out.isatty() or console.is_dumb_terminal or not out.unicode:
+    drawable = out.isatty() and console.is_terminal and not console.is_dumb_terminal
+    if not (drawable and out.unicode):
         from cli.view import PlainView
 
         return [PlainView(out, colored=_is_colored(console)), _Reader(out, stops)]

@@ -52,18 +52,15 @@ def _causes(records: Iterable[Record]) -> Iterator[tuple[str, str]]:
     last = ""
     step: list[tuple[Sequence[str], str]] = []
     """The transitions of a microstep: targets and cause."""
-    complete = False
     for kind, fields in records:
-        if kind in ("event", "exit"):
+        if kind == "event" and fields["taken"]:
+            event = fields
+        elif kind == "exit":
             step = []
-            event = fields if fields.get("taken") else event
         elif kind == "transition":
-            if complete:
-                step, complete = [], False
             last = _cause(fields, event, last)
             step.append((fields["to"], last))
         elif kind == "enter":
-            complete = True
             state = fields["state"]
             yield (
                 state,
