@@ -120,6 +120,12 @@ class Instance(Interpreter):
         urgent = self.graph.vocabulary.is_urgent(name)
         (self.state.urgent if urgent else self.state.external).append(event)
 
+    def waiting(self, name: str) -> list[Event]:
+        """The events of this name that are queued and that nobody has heard yet."""
+        state = self.state
+        queued = (*state.urgent, *state.external, *state.internal)
+        return [event for event in queued if event.name == name]
+
     def next_due(self) -> float | None:
         """The earliest time at which a period would hear an event; None while none waits."""
         state = self.state
@@ -197,6 +203,7 @@ class Instance(Interpreter):
             edges = select(
                 state.configuration.leaves,
                 lambda node: offers[node.index][0] if node.index in offers else None,
+                self.recorded,
                 self.graph.outer_first,
             )
             for edge in edges:

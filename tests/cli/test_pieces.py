@@ -12,6 +12,7 @@ from cli.signals import Interrupts
 from runner import read_run
 from tests.cli.run_cli import run_cli
 from vencejo import UserError
+from vencejo.errors import Stopped
 
 
 def test_interrupts_count_and_the_third_stops_the_program() -> None:
@@ -20,7 +21,7 @@ def test_interrupts_count_and_the_third_stops_the_program() -> None:
     assert stops.count == 1
     stops.request()
     assert stops.count == 2
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(Stopped):
         stops.request()
 
 

@@ -92,6 +92,9 @@ def faults(body: str) -> list[str]:
         ),
         ('<state id="a"><state id="b"/><state id="c"/></state><state id="d">'
          '<transition target="b c"/></state>', ["2:87 conflicting-targets"]),
+        ('<state id="a"><transition target="h r"/></state><parallel id="p"><state id="l"/>'
+         '<history id="h"><transition target="l"/></history><state id="r"/></parallel>',
+         ["2:35 conflicting-targets"]),
         ('<state id="a" initial="b"><state id="c"/></state><state id="b"/>',
          ["2:24 unknown-target"]),
         ('<state id="a"><history id="h"/><state id="b"/></state>', ["2:15 missing-transition"]),
