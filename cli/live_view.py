@@ -57,8 +57,8 @@ class _Watched:
 
     pilot: Pilot
     narrator: Narrator = field(default_factory=Narrator)
-    collisions: list[XY] = field(default_factory=list)
-    """The places of its collisions on the map."""
+    collisions: deque[XY] = field(default_factory=lambda: deque(maxlen=MAX_LINES))
+    """The places of its last collisions on the map."""
     last: str = ""
     """The state entered last."""
     sampled: float = -inf
@@ -102,7 +102,8 @@ class LiveView:
         self._states: deque[_Told] = deque(maxlen=MAX_LINES)
         self._notes: deque[_Told] = deque(maxlen=MAX_LINES)
         self._told = 0
-        self._began = 0.0
+        self._began = 0.0, 0.0
+        """Wall time and the vehicles' time at which the flight began."""
         self._next = 0.0
         """Wall time of the next picture."""
         self._captured = [_Captured(stream, self.note) for stream in (sys.stdout, sys.stderr)]
@@ -143,7 +144,7 @@ class LiveView:
     def _begin(self, pilot: Pilot, now: float) -> _Watched:
         """Begin to watch a vehicle; with the first one, set up the map."""
         if not self._watched:
-            self._began = now
+            self._began = now, pilot.channel.now
             # A flight that is over before needs no screen of its own.
             self._next = now + REFRESH
             self._set_up(pilot)
@@ -282,9 +283,10 @@ class LiveView:
         yield Text.assemble("battery ", (f"{seen.battery:4.0%}", _battery_style(seen.battery)))
         yield Text(self._pace(seen.time))
 
-    def _pace(self, flown: float) -> str:
-        passed = self._wall() - self._began
-        pace = flown / passed if passed > 0.5 else self._factor
+    def _pace(self, now: float) -> str:
+        wall, began = self._began
+        passed = self._wall() - wall
+        pace = (now - began) / passed if passed > 0.5 else self._factor
         return f"{pace:.3g} × real time" if pace else "as fast as it can"
 
 
