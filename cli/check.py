@@ -147,7 +147,8 @@ def _print(report: Report, strict: bool) -> None:
         click.echo(f"{report.mission}: {counts}", err=True)
     else:
         what = "a fleet without mistakes" if report.fleet else "may fly"
-        click.echo(f"{report.mission}: {what}, {report.states} states{counts and f', {counts}'}")
+        states = f"{report.states} state{'s'[: report.states != 1]}"
+        click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
 
 
 def annotation(fault: Fault, severity: str) -> str:

@@ -63,7 +63,7 @@ def prepare(
         graph = compile_mission(spec, vocabulary, faults)
         graph = replace(graph, warnings=(*graph.warnings, *prove(graph)))
     assert place is not None, "a world that is not there is a fault"
-    files = (found.path, *_others(spec, found.path))
+    files = (found.path, *_others(spec, found.path), *_sources(document))
     return Prepared(found, spec, graph, place, word, files)
 
 
@@ -155,6 +155,15 @@ def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
         found.update(dict.fromkeys(file.parent / scalar.text for scalar in graph.uses))
     del found[path]
     yield from found
+
+
+def _sources(document: Element | None) -> list[Path]:
+    """The files that a foreign SCXML document takes values and scripts from."""
+    if document is None:
+        return []
+    from fsm.scxml import sources
+
+    return sources(document)
 
 
 def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:

@@ -101,7 +101,7 @@ class Instance(Interpreter):
             if sent.to:
                 self.deliver(sent.event.name, sent.event.fields, sent.to)
             else:
-                self.post(sent.event.name, sent.event.fields)
+                self._queue(sent.event)
 
     def _process_events(self) -> None:
         """Run a macrostep per queued event; events posted meanwhile wait for the next period."""
@@ -116,8 +116,10 @@ class Instance(Interpreter):
 
     def post(self, name: str, fields: Mapping[str, Any] | None = None) -> None:
         """Queue an event for the next period."""
-        event = Event(name, dict(fields or {}))
-        urgent = self.graph.vocabulary.is_urgent(name)
+        self._queue(Event(name, dict(fields or {})))
+
+    def _queue(self, event: Event) -> None:
+        urgent = self.graph.vocabulary.is_urgent(event.name)
         (self.state.urgent if urgent else self.state.external).append(event)
 
     def waiting(self, name: str) -> list[Event]:
@@ -141,7 +143,7 @@ class Instance(Interpreter):
         while internal:
             event = internal.popleft()
             if event.owner is None:
-                self.post(event.name, event.fields)
+                self._queue(event)
             else:
                 self.state.external.append(event)
 

@@ -19,13 +19,22 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Self
 
 from transitions.core import EventData
 
 from fsm.chart.configuration import Entry, Step, entry_after
 from fsm.chart.entry_sets import default_entry, entry_set, transition_domain
-from fsm.chart.executable import Action, Record
+from fsm.chart.executable import (
+    EXTERNAL,
+    INTERNAL,
+    PLATFORM,
+    Action,
+    NotSentError,
+    Origin,
+    Record,
+)
 from fsm.chart.graph import After, Edge, Graph, Node
 from fsm.chart.selection import chain, select
 from fsm.engine.events import NOTHING, Delayed, Event
@@ -40,6 +49,8 @@ from fsm.values.functions import FAILURES, plain
 from vencejo.errors import Where
 
 MAX_MICROSTEPS = 1000
+MISSING = object()
+"""The value of an output that could not be evaluated."""
 
 
 class Interpreter:
@@ -143,12 +154,18 @@ class Interpreter:
         trial._show(heard)
         return not self.ended and bool(trial._select(heard))
 
-    def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
+    def raise_event(self, name: str, fields: Mapping[str, Any], origin: Origin = INTERNAL) -> None:
         """Queue an event for this macrostep."""
-        self.state.internal.append(Event(name, dict(fields)))
+        self.state.internal.append(Event(name, dict(fields), origin=origin))
 
     def send(
-        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+        self,
+        name: str,
+        fields: Mapping[str, Any],
+        delay: float,
+        id_: str,
+        to: str = "",
+        origin: Origin = EXTERNAL,
     ) -> None:
         """Queue an event for a later period, or give it to the host for another vehicle.
 
@@ -158,7 +175,8 @@ class Interpreter:
             # At once: this may be the last thing that the mission does.
             self.deliver(name, fields, to)
             return
-        self.state.delayed.put(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
+        event = Event(name, dict(fields), origin=origin)
+        self.state.delayed.put(Delayed(self.now + delay, id_, event, to))
 
     def deliver(self, name: str, fields: Mapping[str, Any], to: str) -> None:
         """Give an event to the host for another vehicle."""
@@ -245,7 +263,7 @@ class Interpreter:
     def _show(self, event: Event) -> None:
         """Keep an event in the variable ``_event``, where SCXML has it until the next one comes."""
         if self.graph.event_slot >= 0:
-            self.slots[self.graph.event_slot] = {"name": event.name, "data": event.fields}
+            self.slots[self.graph.event_slot] = event.as_variable()
 
     def _is_for_host(self, name: str) -> bool:
         """Whether the host must react when no active state handles this event."""
@@ -263,7 +281,8 @@ class Interpreter:
             return
         self.state.internal.clear()
         message = f"more than {MAX_MICROSTEPS} steps without coming to rest"
-        event = Event("error.livelock", {"message": message, "where": ", ".join(self.paths())})
+        fields = {"message": message, "where": ", ".join(self.paths())}
+        event = Event("error.livelock", fields, origin=PLATFORM)
         self.record("error", **event.fields)
         if self._offer(event) and not self._becomes_stable():
             self.state.internal.clear()
@@ -460,9 +479,13 @@ class Interpreter:
 
     def _reach(self, final: Node, event: Event) -> None:
         """Queue the outcome of an entered final state for its parent, or end the mission."""
-        output = {
-            name: self.evaluate(value, event.fields, None) for name, value in final.output.items()
+        # In SCXML what has no value is left out, here it is none.
+        otherwise = MISSING if self.graph.scxml else None
+        found = {
+            name: self.evaluate(value, event.fields, otherwise)
+            for name, value in final.output.items()
         }
+        output = {name: value for name, value in found.items() if value is not MISSING}
         assert final.parent is not None
         parent = final.parent.owner
         state = self.state
@@ -500,7 +523,7 @@ class Interpreter:
     def outcome_of(self, owner: Node, word: str, fields: Mapping[str, Any]) -> Event:
         """The outcome of an active state, as an event; in SCXML it is ``done.state.ID``."""
         if self.graph.scxml:
-            return Event(f"done.state.{owner.path}", dict(fields))
+            return Event(f"done.state.{owner.path}", dict(fields), origin=PLATFORM)
         return Event(word, dict(fields), owner, self.state.entries[owner.index])
 
     def finish_region(self, region: Node, queue: deque[Event]) -> None:
@@ -561,7 +584,7 @@ class Interpreter:
         try:
             value = compiled.function(self.slots, fields)
         except FAILURES as error:
-            self._failed(compiled.where, compiled.source, f"{compiled.source}: {plain(error)}")
+            self._failed(compiled.where, compiled.source, error)
             return otherwise
         broken = self.state.broken
         if broken:
@@ -574,22 +597,23 @@ class Interpreter:
             try:
                 action.run(self, fields)
             except FAILURES as error:
-                self._failed(
-                    action.where, action.kind, f"{action.kind}: {plain(error)}", action=True
-                )
+                self._failed(action.where, action.kind, error)
                 return
             if self.state.broken:
                 self.state.broken.discard((action.where, action.kind))
 
-    def _failed(self, where: Where, what: str, message: str, action: bool = False) -> None:
+    def _failed(self, where: Where, what: str, error: Exception) -> None:
         """Raise ``error.execution``, once until this works again; in SCXML whenever it fails."""
-        broken = self.state.broken
-        if (where, what) in broken and not (action and self.graph.scxml):
-            return
-        broken.add((where, what))
-        fields = {"message": message, "where": str(where)}
+        if not self.graph.scxml:
+            if (where, what) in self.state.broken:
+                return
+            self.state.broken.add((where, what))
+        fields = {"message": f"{what}: {plain(error)}", "where": str(where)}
         self.record("error", **fields)
-        self.state.internal.append(Event("error.execution", fields))
+        name, origin = "error.execution", PLATFORM
+        if isinstance(error, NotSentError):
+            name, origin = error.event, replace(PLATFORM, sendid=error.sendid)
+        self.state.internal.append(Event(name, fields, origin=origin))
 
     # -- callbacks --------------------------------------------------------------------------
 
