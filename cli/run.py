@@ -112,6 +112,11 @@ from vencejo.errors import OutputError, UserError
     help="Do not keep the camera pictures that behaviours read, to save space.",
 )
 @click.option(
+    "--no-picture",
+    is_flag=True,
+    help="Do not draw flight.png; `drone-cli picture FOLDER` does it later.",
+)
+@click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
 @click.pass_obj
@@ -132,6 +137,7 @@ def run(
     shadows: bool,
     runs_dir: Path,
     no_frames: bool,
+    no_picture: bool,
     as_json: bool,
 ) -> None:
     """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
@@ -170,11 +176,16 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    sys.exit(_fly(plan, speed, record, None if as_json else out))
+    sys.exit(_fly(plan, speed, record, None if as_json else out, picture=not no_picture))
 
 
 def _fly(
-    plan: Plan, speed: float | None, new_recorder: Callable[[], Recorder], out: Output | None
+    plan: Plan,
+    speed: float | None,
+    new_recorder: Callable[[], Recorder],
+    out: Output | None,
+    *,
+    picture: bool,
 ) -> int:
     """Fly, record and show on ``out``, or print JSON at the end; the exit code."""
     made: list[Recorder] = []
@@ -204,7 +215,7 @@ def _fly(
             click.echo(f"{name}: {flown.failure}", err=True)
     if summary.unrecorded:
         click.echo(summary.unrecorded, err=True)
-    no_room = _draw(folder)
+    no_room = picture and _draw(folder)
     fields = summary_fields(summary, folder)
     if out is None:
         echo_json(fields, default=as_json_value)
@@ -254,7 +265,7 @@ class _Reader:
 
 def _draw(folder: Path) -> bool:
     """Draw the run's picture; True when the disk had no room for it."""
-    from cli.flight_plot import draw
+    from cli.plot import draw
 
     try:
         draw(folder)
