@@ -2,6 +2,7 @@
 
 from behaviors.action import action
 from behaviors.behavior import Behavior, describe
+from behaviors.calls import Calls, CodeFailed, TookTooLong
 from behaviors.flight import Flight, NotInControl
 from behaviors.frame import MissionFrame
 from behaviors.params import (
@@ -27,6 +28,8 @@ __all__ = [
     "Area",
     "Behavior",
     "BehaviorParams",
+    "Calls",
+    "CodeFailed",
     "Face",
     "Flight",
     "Heading",
@@ -38,6 +41,7 @@ __all__ = [
     "Registry",
     "Route",
     "Thresholds",
+    "TookTooLong",
     "Waypoint",
     "action",
     "describe",

@@ -30,7 +30,12 @@ def is_action(thing: object) -> bool:
 
 
 def describe_action(function: Callable[..., Any]) -> Function:
-    """The checker's view of an action. Raises TypeError for an argument that has no name."""
+    """The checker's view of an action.
+
+    Raises TypeError for an argument that has no name, and for a function whose call does nothing.
+    """
+    if inspect.iscoroutinefunction(function) or inspect.isgeneratorfunction(function):
+        raise TypeError(f"{function.__name__}: an action is neither `async` nor has it a `yield`")
     hints = typing.get_type_hints(function)
     parameters = {}
     for name, declared in inspect.signature(function).parameters.items():

@@ -8,9 +8,11 @@ from typing import Any
 
 from behaviors.channel import Channel
 from behaviors.frame import MissionFrame
+from behaviors.setpoints import checked, number
+from fsm.values.intake import kind_of
 from hal.lights import Lights
 from hal.orders import Order
-from hal.vehicle import Camera, Observation, Sensor, Setpoint, is_finite
+from hal.vehicle import Camera, Observation, Sensor, Setpoint
 
 
 class NotInControl(RuntimeError):
@@ -83,12 +85,17 @@ class Flight:
     def raise_event(self, name: str, record: Any = None) -> None:
         """Raise an event that the behaviour declares, with a record of its fields.
 
-        Raises ValueError for an event that it does not declare.
+        Raises ValueError for an event or a field that it does not declare and for values that
+        missions cannot hold, TypeError for what is no record, and NotInControl after its ``stop``.
         """
         self._raise_event(name, record)
 
     def publish(self, record: Any) -> None:
-        """Publish values: a record of the class that the behaviour declares."""
+        """Publish values: a record of the class that the behaviour declares.
+
+        Raises TypeError for anything else, ValueError for values that missions cannot hold, and
+        NotInControl after its ``stop``.
+        """
         self._publish(record)
 
     # Commands.
@@ -97,12 +104,11 @@ class Flight:
         """Fly a set-point (mission frame) in this period; the last one of a period counts.
 
         It ends a manoeuvre under way. In a period without either the vehicle holds its place.
-        Raises NotInControl, and ValueError for numbers that are not finite.
+        Raises NotInControl, TypeError for what is no set-point, and ValueError for numbers that are
+        not finite.
         """
         self._need("motion")
-        if not is_finite(setpoint):
-            raise ValueError(f"a set-point needs finite numbers: {setpoint}")
-        self._channel.setpoint = setpoint
+        self._channel.setpoint = checked(setpoint)
         self._channel.order = None
 
     def arm(self) -> Order:
@@ -116,9 +122,12 @@ class Flight:
         return self._channel.vehicle.disarm()
 
     def takeoff(self, altitude: float) -> Order:
-        """Rise to ``altitude`` metres above the ground here. Raises NotInControl."""
+        """Rise to ``altitude`` metres above the ground here.
+
+        Raises NotInControl, and TypeError or ValueError for what is no finite number.
+        """
         self._need("motion")
-        return self._manoeuvre(self._channel.vehicle.takeoff(altitude))
+        return self._manoeuvre(self._channel.vehicle.takeoff(number("altitude", altitude)))
 
     def land(self) -> Order:
         """Descend here and stop the motors. Raises NotInControl."""
@@ -141,8 +150,10 @@ class Flight:
         return self._manoeuvre(self._channel.vehicle.trim())
 
     def lights(self, lights: Lights) -> Order:
-        """Show a pattern on the lamps. Raises NotInControl and hal's Unavailable."""
+        """Show a pattern on the lamps. Raises NotInControl, TypeError and hal's Unavailable."""
         self._need("lights")
+        if not isinstance(lights, Lights):
+            raise TypeError(f"lights are shown by a Lights, not by {kind_of(lights)}")
         return self._channel.vehicle.lights(lights)
 
     def _manoeuvre(self, order: Order) -> Order:

@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
-from behaviors.activity import DroneActivity, story
+from behaviors.activity import DroneActivity
+from behaviors.calls import Calls, CodeFailed
 from behaviors.channel import Channel
 from behaviors.frame import MissionFrame
 from behaviors.host_functions import HOST_FUNCTIONS
@@ -23,6 +24,7 @@ from fsm.engine.instance import Instance
 from fsm.engine.saving import TORN, load, save
 from fsm.host import BehaviorInfo
 from fsm.values.functions import EvaluationError
+from fsm.values.intake import copied
 from fsm.values.packing import pack, unpack
 from hal.orders import Order
 from hal.vehicle import PERIOD, Hold, Observation, Position, Setpoint, Vehicle
@@ -62,8 +64,10 @@ class Pilot:
         frame: MissionFrame | None = None,
         seed: int = 0,
         thresholds: Thresholds | None = None,
+        calls: Calls | None = None,
     ) -> None:
-        """The vehicle must have been observed: its session has waited once.
+        """The vehicle must have been observed: its session has waited once. ``calls`` are those
+        into people's code, for whoever limits their time.
 
         Raises UserError (``missing-capability``).
         """
@@ -80,6 +84,9 @@ class Pilot:
         """The reason why the mission was ended from outside; empty when it ended by itself."""
         self.outcome: str | None = None
         self._watch = Watch(thresholds or Thresholds())
+        self._calls = calls or Calls()
+        self._lapses: set[str] = set()
+        """What people's code did wrong in this period where no outcome could tell it."""
         self._ended_for = 0.0
         """Seconds since the mission ended in the air, or it was heard again after a silence,
         without those in which others are known to fly.
@@ -117,13 +124,19 @@ class Pilot:
         """Start a behaviour for a state (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
-        return DroneActivity(behavior, parameters, progress, self.channel, self.instance.post)
+        return DroneActivity(behavior, parameters, progress, self.channel, self._post, self._calls)
 
     def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> DroneActivity:
         """Go on with a behaviour of a saved run (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
-        return DroneActivity.resumed(behavior, saved, self.channel, self.instance.post)
+        return DroneActivity.resumed(behavior, saved, self.channel, self._post, self._calls)
+
+    def _post(self, name: str, fields: Mapping[str, Any]) -> None:
+        """Queue an event of a behaviour for the next period."""
+        if name == "error.execution":
+            self._lapses.add(fields["message"])
+        self.instance.post(name, fields)
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Run a registered function (see fsm.Host)."""
@@ -133,10 +146,12 @@ class Pilot:
             _, run = HOST_FUNCTIONS[name]
             run(self.channel, **arguments)
             return
+        function = self.instance.graph.vocabulary.functions[name].implementation
         try:
-            self.instance.graph.vocabulary.functions[name].implementation(**arguments)
-        except Exception as error:
-            raise EvaluationError(story(error)) from error
+            self._calls.run(function, **{name: copied(value) for name, value in arguments.items()})
+        except CodeFailed as error:
+            self._lapses.add(str(error))
+            raise EvaluationError(str(error)) from None
 
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
         """Record an event to another vehicle as undelivered, for there is none (see fsm.Host)."""
@@ -157,6 +172,7 @@ class Pilot:
         seen = self.channel.observe(dt)
         self._note(seen)
         if self.outcome is None:
+            self._lapses.clear()
             for name, fields in self._watch.events(seen, dt):
                 if name == "vehicle.late":
                     self.instance.record("late", **fields)
@@ -227,10 +243,28 @@ class Pilot:
         self.instance.record("reaction", event=name, does="land")
         self.instance.stop("aborted" if name.startswith("operator.") else "failed")
 
+    def abandon(self, reason: str) -> None:
+        """End the mission in the midst of its period, in ``failed``, and land: for a call into a
+        person's code that does not return. Nothing of the mission may run any more, that call
+        included: states are not left, behaviours not stopped.
+        """
+        if self.outcome is None:
+            self.reason, self.outcome = reason, "failed"
+            self.instance.abandon(self.outcome)
+            self.instance.record("outcome", outcome=self.outcome, reason=reason)
+
     def _end(self, outcome: str) -> None:
-        self.outcome = outcome
         self.instance.stop(outcome)
+        lapse = self._unheard_lapse()
+        if lapse and not self.reason:
+            outcome, self.reason = "failed", lapse
+        self.outcome = outcome
         self.instance.record("outcome", outcome=outcome, reason=self.reason or None)
+
+    def _unheard_lapse(self) -> str:
+        """What people's code did wrong so late that no state could hear of it, if anything."""
+        unheard = [event.fields["message"] for event in self.instance.waiting("error.execution")]
+        return next((m for m in unheard if any(m.endswith(lapse) for lapse in self._lapses)), "")
 
     def _is_down(self) -> bool:
         """Whether it is known to stand with its motors off, and has no order to change that."""

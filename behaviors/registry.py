@@ -6,16 +6,19 @@ import hashlib
 import importlib.util
 import sys
 import traceback
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import ModuleType
 from typing import TypeGuard
 
 from behaviors.action import describe_action, is_action
 from behaviors.behavior import Behavior, describe
+from behaviors.calls import Calls, CodeFailed
+from behaviors.declaration import flaws_of
 from behaviors.host_functions import HOST_FUNCTIONS
 from fsm.host import BehaviorInfo, Function
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.files import file_inside
 from vencejo.nodes import Scalar
 from vencejo.plugins import plugins
@@ -24,16 +27,33 @@ GROUP = "vencejo.behaviors"
 
 
 class Registry(Mapping[str, BehaviorInfo]):
-    """Behaviours by name; an installed one is imported when it is first looked up."""
+    """Behaviours by name; an installed one is imported when it is first looked up.
 
-    def __init__(self, own: Mapping[str, BehaviorInfo] | None = None) -> None:
+    One that cannot be imported raises UserError (``broken-code``).
+    """
+
+    def __init__(
+        self, own: Mapping[str, BehaviorInfo] | None = None, calls: Calls | None = None
+    ) -> None:
         self._points = plugins(GROUP)
         self._known: dict[str, BehaviorInfo] = dict(own or {})
+        self._calls = calls or Calls()
 
     def __getitem__(self, name: str) -> BehaviorInfo:
         if name not in self._known:
-            self._known[name] = describe(self._points[name].load(), name)
+            self._known[name] = self._load(self._points[name])
         return self._known[name]
+
+    def _load(self, point: EntryPoint) -> BehaviorInfo:
+        try:
+            return self._calls.run(lambda: describe(point.load(), point.name))
+        except CodeFailed as error:
+            raise UserError(
+                "broken-code",
+                f"the installed behaviour '{point.name}' cannot be loaded: {error.message}",
+                error.where,
+                f"it is {point.value} of {point.dist.name if point.dist else 'no package'}",
+            ) from None
 
     def __contains__(self, name: object) -> bool:
         return name in self._known or name in self._points
@@ -49,20 +69,21 @@ Own = dict[str, BehaviorInfo | Function]
 """Behaviours and functions of a mission's own Python files, by name."""
 
 
-def load_all(files: Iterable[tuple[Scalar, Path]]) -> Own:
+def load_all(files: Iterable[tuple[Scalar, Path]], calls: Calls | None = None) -> Own:
     """Load the behaviours and functions in the Python files that missions name under ``uses``.
 
-    ``files``: each name with the folder that it is relative to. The files are run, each once; they
-    must lie inside their folder. Raises UserError.
+    ``files``: each name with the folder that it is relative to. The files are run, each once, as
+    ``calls``; they must lie inside their folder. Raises UserError.
     """
     found: Own = {}
     seen: set[Path] = set()
+    calls = calls or Calls()
     for scalar, folder in files:
         path = path_of(scalar, folder)
         if path in seen:
             continue
         seen.add(path)
-        for info in _contents(scalar, path):
+        for info in _contents(scalar, path, calls):
             what = "behaviour" if isinstance(info, BehaviorInfo) else "function"
             if info.name in Registry() or info.name in HOST_FUNCTIONS or info.name in found:
                 raise UserError(
@@ -88,7 +109,7 @@ def path_of(scalar: Scalar, folder: Path) -> Path:
     return path
 
 
-def _contents(scalar: Scalar, path: Path) -> list[BehaviorInfo | Function]:
+def _contents(scalar: Scalar, path: Path, calls: Calls) -> list[BehaviorInfo | Function]:
     name, where = scalar.text, scalar.where
     module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
     spec = importlib.util.spec_from_file_location(module_name, path)
@@ -97,26 +118,46 @@ def _contents(scalar: Scalar, path: Path) -> list[BehaviorInfo | Function]:
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module
     try:
-        spec.loader.exec_module(module)
-        # A class with two names in its file is one behaviour.
-        own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))
-        functions = dict.fromkeys(filter(is_action, vars(module).values()))
-        found: list[BehaviorInfo | Function] = [
-            *map(describe, own),
-            *(describe_action(f) for f in functions if f.__module__ == module.__name__),
-        ]
-    except (Exception, SystemExit) as error:
-        del sys.modules[module_name]
+        found = calls.run(_run, module, spec.loader.exec_module, name)
+    except CodeFailed as error:
+        sys.modules.pop(module_name, None)
+        if isinstance(error.cause, _Flawed):
+            raise UserError.of(error.cause.faults) from None
         raise UserError(
             "broken-code",
-            f"'{name}' cannot be loaded: {type(error).__name__}: {error}",
-            Where(name, _line_in(error, path), 1),
+            f"'{name}' cannot be loaded: {error.message}",
+            Where(name, _line_in(error.cause, path), 1),
             f"named under `uses` at {where}",
         ) from None
     if not found:
         hint = "write `class Circle(Behavior): …`, with `from behaviors import Behavior`"
         raise UserError("no-behaviour", f"there is no behaviour in '{name}'", where, hint)
     return found
+
+
+class _Flawed(UserError):
+    """The classes of a file have flaws."""
+
+
+def _run(
+    module: ModuleType, execute: Callable[[ModuleType], None], name: str
+) -> list[BehaviorInfo | Function]:
+    """Run a person's file, and look at what it defines. Raises _Flawed, and anything else."""
+    execute(module)
+    # A class with two names in its file is one behaviour.
+    own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))
+    flaws = [
+        Fault("bad-behaviour", flaw.message, Where(name, flaw.line, 1), flaw.hint)
+        for behavior in own
+        for flaw in flaws_of(behavior)
+    ]
+    if flaws:
+        raise _Flawed.of(flaws)
+    functions = dict.fromkeys(filter(is_action, vars(module).values()))
+    return [
+        *map(describe, own),
+        *(describe_action(f) for f in functions if f.__module__ == module.__name__),
+    ]
 
 
 def _is_own(thing: object, module: ModuleType) -> TypeGuard[type[Behavior]]:
@@ -129,9 +170,11 @@ def _is_own(thing: object, module: ModuleType) -> TypeGuard[type[Behavior]]:
     )
 
 
-def _line_in(error: BaseException, path: Path) -> int:
+def _line_in(error: BaseException | None, path: Path) -> int:
     """The line of the user's file that an error comes from."""
-    if isinstance(error, SyntaxError):
+    if error is None:
+        return 1
+    if isinstance(error, SyntaxError) and error.filename == str(path):
         return error.lineno or 1
     lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
     return next((line for line in reversed(lines) if line), 1)

@@ -9,8 +9,10 @@ from typing import Any
 
 import click
 
-from cli.options import MissionName
+from behaviors import Calls
+from cli.options import MissionName, call_limit_option
 from cli.output import echo_json
+from cli.user_code import user_code
 from fsm import Graph
 from fsm.language.reader import FLEET
 from hal import backend_capabilities
@@ -51,6 +53,7 @@ class Report:
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
+@call_limit_option
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 def check(
     missions_: tuple[str, ...],
@@ -58,6 +61,7 @@ def check(
     backend: str | None,
     strict: bool,
     no_code: bool,
+    call_limit: float | None,
     as_json: bool,
 ) -> None:
     """Check MISSIONs: files, or names as for `run`.
@@ -66,7 +70,9 @@ def check(
     before the warnings; under GitHub Actions as annotations too. With --no-code a mission's own
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
     """
-    reports = [_report(mission, world, not no_code) for mission in missions_]
+    with user_code(call_limit) as limit:
+        calls = None if no_code else limit.calls
+        reports = [_report(mission, world, calls) for mission in missions_]
     if backend is not None:
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
@@ -78,16 +84,18 @@ def check(
     sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
 
 
-def _report(mission: str, world: str | None, code: bool) -> Report:
+def _report(mission: str, world: str | None, calls: Calls | None) -> Report:
+    """The report on one file; without ``calls`` no Python is run."""
+    code = calls is not None
     try:
-        graph = prepare(missions.find(mission), world, code=code).graph
+        graph = prepare(missions.find(mission), world, code=code, calls=calls).graph
     except UserError as error:
         if error.code != FLEET:
             return Report(mission, error.faults)
     else:
         return Report(mission, graph.warnings, (graph,))
     try:
-        faults, graphs = check_fleet_file(missions.find(mission), world, code=code)
+        faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
         return Report(mission, error.faults)
     return Report(mission, tuple(faults), tuple(graphs), fleet=True)
@@ -139,7 +147,8 @@ def _print(report: Report, strict: bool) -> None:
         click.echo(f"{report.mission}: {counts}", err=True)
     else:
         what = "a fleet without mistakes" if report.fleet else "may fly"
-        click.echo(f"{report.mission}: {what}, {report.states} states{counts and f', {counts}'}")
+        states = f"{report.states} state{'s'[: report.states != 1]}"
+        click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
 
 
 def annotation(fault: Fault, severity: str) -> str:

@@ -11,8 +11,16 @@ from typing import Any
 import click
 
 from cli.look import VIEWS
-from cli.options import MissionName, Viewpoint, Word, renderer_option, shadows_option
+from cli.options import (
+    MissionName,
+    Viewpoint,
+    Word,
+    call_limit_option,
+    renderer_option,
+    shadows_option,
+)
 from cli.output import echo_json
+from cli.user_code import user_code
 from fsm import BehaviorInfo, Parameter
 from hal.renderers import show_window
 from runner import missions as known
@@ -35,8 +43,9 @@ def _table(rows: list[tuple[str, str]]) -> None:
 @click.command()
 @click.argument("name", required=False, type=MissionName())
 @click.option("--copy", is_flag=True, help="Copy it into ./missions, to change it.")
+@call_limit_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def missions(name: str | None, copy: bool, as_json: bool) -> None:
+def missions(name: str | None, copy: bool, call_limit: float | None, as_json: bool) -> None:
     """List the missions that can be run by name, or show what NAME does and takes."""
     if name is None:
         _list_missions(as_json)
@@ -47,7 +56,8 @@ def missions(name: str | None, copy: bool, as_json: bool) -> None:
         return
     from runner.preparation import prepare
 
-    graph = prepare(found).graph
+    with user_code(call_limit) as limit:
+        graph = prepare(found, calls=limit.calls).graph
     if as_json:
         parameters = {p.name: _parameter(p) for p in graph.parameters.values()}
         facts = {"mission": graph.name, "description": graph.description, "world": graph.world}
@@ -130,28 +140,32 @@ def _described(parameter: Parameter) -> str:
 
 @click.command()
 @click.argument("name", required=False)
+@call_limit_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def behaviors(name: str | None, as_json: bool) -> None:
+def behaviors(name: str | None, call_limit: float | None, as_json: bool) -> None:
     """List the behaviours that missions are composed of, or explain NAME."""
     from behaviors import Registry
 
-    catalog = Registry()
+    with user_code(call_limit) as limit:
+        catalog = Registry(calls=limit.calls)
+        wanted = [each for each in catalog if name in (None, each)]
+        found = {each: catalog[each] for each in wanted}
     if name is None:
-        rows = [(key, _plain(catalog[key].help).partition("\n")[0]) for key in catalog]
+        rows = [(key, _plain(info.help).partition("\n")[0]) for key, info in found.items()]
         if as_json:
             echo_json([{"behavior": key, "help": text} for key, text in rows])
         else:
             _table(rows)
             click.echo("\ndrone-cli behaviors NAME tells its parameters and outcomes.")
         return
-    if name not in catalog:
+    if name not in found:
         raise UserError(
             "unknown-behaviour", f"there is no behaviour '{name}'", hint=nearest(name, catalog)
         )
     if as_json:
-        echo_json(_behavior_facts(catalog[name]))
+        echo_json(_behavior_facts(found[name]))
     else:
-        _explain(catalog[name])
+        _explain(found[name])
 
 
 def _behavior_facts(behavior: BehaviorInfo) -> dict[str, Any]:

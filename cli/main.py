@@ -11,8 +11,9 @@ from pathlib import Path
 
 import click
 
+from cli.ending import not_kept_alive
 from cli.output import Output
-from vencejo.errors import OutputError, UserError, Where, cannot_write, nearest
+from vencejo.errors import OutputError, Stopped, UserError, Where, cannot_write, nearest
 from vencejo.version import __version__
 
 COMMANDS = {
@@ -94,6 +95,7 @@ def check_packages() -> None:
             )
 
 
+@not_kept_alive()
 def main() -> None:
     """The entry point: faults of a person are printed, never a traceback."""
     _open_descriptors()
@@ -125,7 +127,7 @@ def _run(out: Output) -> int:
         result = app(prog_name="drone-cli", standalone_mode=False, obj=out)
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt, Stopped):
         return 130
     except (UserError, click.ClickException, OSError) as error:
         fault = _fault(error)

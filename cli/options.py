@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import inf, isfinite, pi
 from typing import Any
 
 import click
@@ -13,7 +13,7 @@ from click.shell_completion import CompletionItem
 from hal.limits import DIMENSIONS, Limits
 from hal.renderers import renderer_names
 from vencejo.errors import UserError, Where, nearest
-from vencejo.units import read_quantity
+from vencejo.units import TIME, read_quantity
 
 
 class Word(click.ParamType):  # type: ignore[type-arg]
@@ -70,6 +70,36 @@ class Speed(click.ParamType):  # type: ignore[type-arg]
         return [
             CompletionItem(word) for word in ("max", "1", "2", "5") if word.startswith(incomplete)
         ]
+
+
+class CallSeconds(click.ParamType):  # type: ignore[type-arg]
+    """A time above 0 in seconds; ``none`` and 0 are no limit (None)."""
+
+    name = "time|none"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | None:
+        if value is None or value == "none":
+            return None
+        try:
+            seconds = read_quantity(str(value), TIME)
+        except UserError as error:
+            self.fail(f"{error.faults[0].message}; for instance --call-limit 10s, or none")
+        if not 0 <= seconds < inf:
+            self.fail(f"'{value}' is no time; for instance --call-limit 10s, or none")
+        return max(seconds, SHORTEST_CALL_LIMIT) if seconds else None
+
+
+SHORTEST_CALL_LIMIT = 0.01
+"""Seconds: shorter ones would end calls that do nothing wrong."""
+call_limit_option = click.option(
+    "--call-limit",
+    type=CallSeconds(),
+    default="5s",
+    show_default=True,
+    help="End a call into Python of missions or plug-ins that takes longer; none (or 0) for never.",
+)
 
 
 class MissionName(click.ParamType):  # type: ignore[type-arg]

@@ -19,6 +19,7 @@ from cli.options import (
     Speed,
     Word,
     assignments,
+    call_limit_option,
     cameras,
     limits,
     renderer_option,
@@ -26,6 +27,7 @@ from cli.options import (
 )
 from cli.output import Output, echo_json
 from cli.signals import Interrupts
+from cli.user_code import user_code
 from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal import backend_names
@@ -37,7 +39,7 @@ from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
-from vencejo.errors import OutputError, UserError
+from vencejo.errors import OutputError, Stopped, UserError
 
 
 @click.command()
@@ -111,6 +113,7 @@ from vencejo.errors import OutputError, UserError
     is_flag=True,
     help="Do not keep the camera pictures that behaviours read, to save space.",
 )
+@call_limit_option
 @click.option(
     "--no-picture",
     is_flag=True,
@@ -138,6 +141,7 @@ def run(
     runs_dir: Path,
     no_frames: bool,
     no_picture: bool,
+    call_limit: float | None,
     as_json: bool,
 ) -> None:
     """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
@@ -147,7 +151,8 @@ def run(
     130 interrupted (and landed). Ctrl-C once asks the mission to stop, twice lands at once, thrice
     stops the program.
     """
-    prepared = prepare(missions.find(mission), world)
+    with user_code(call_limit) as limit:
+        prepared = prepare(missions.find(mission), world, calls=limit.calls)
     values = parse_parameters(prepared.graph, parameters)
     for fault in prepared.graph.warnings:
         click.echo(str(fault), err=True)
@@ -176,18 +181,28 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    sys.exit(_fly(plan, speed, record, None if as_json else out, picture=not no_picture))
+    how = _Shown(None if as_json else out, picture=not no_picture)
+    sys.exit(_fly(plan, speed, call_limit, record, how))
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """How a flight is shown."""
+
+    out: Output | None
+    """Shows it while it goes on, and its end; without it the end is printed as JSON."""
+    picture: bool
+    """Whether its picture is drawn."""
 
 
 def _fly(
     plan: Plan,
     speed: float | None,
+    call_limit: float | None,
     new_recorder: Callable[[], Recorder],
-    out: Output | None,
-    *,
-    picture: bool,
+    how: _Shown,
 ) -> int:
-    """Fly, record and show on ``out``, or print JSON at the end; the exit code."""
+    """Fly, record and show; the exit code."""
     made: list[Recorder] = []
 
     def record() -> Recorder:
@@ -200,30 +215,43 @@ def _fly(
 
     try:
         with ExitStack() as stack:
+
+            def landed(summary: Summary) -> int:
+                """The end of a flight in which a call did not end; the exit code."""
+                stack.close()
+                return _finish(summary, made[0], how)
+
+            limit = stack.enter_context(user_code(call_limit, landed))
             stops = stack.enter_context(Interrupts())
-            watchers = _watchers(plan, speed, out, stops, stack) if out else ()
-            summary = fly(plan, record, watchers, Pace(speed), stops)
-    except KeyboardInterrupt:
+            watchers = _watchers(plan, speed, how.out, stops, stack) if how.out else ()
+            summary = fly(plan, record, watchers, Pace(speed), stops, limit)
+    except Stopped:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
         if made:
             click.echo(f"run folder: {made[0].folder}", err=True)
         sys.exit(INTERRUPTED)
-    folder = made[0].folder
-    summary = _summarized(made[0], summary)
-    for name, flown in summary.vehicles.items():
-        if flown.failure:
-            click.echo(f"{name}: {flown.failure}", err=True)
-    if summary.unrecorded:
-        click.echo(summary.unrecorded, err=True)
-    no_room = picture and _draw(folder)
-    fields = summary_fields(summary, folder)
-    if out is None:
-        echo_json(fields, default=as_json_value)
-    else:
-        from cli.view import show_summary
+    return _finish(summary, made[0], how)
 
-        show_summary(fields)
-    return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
+
+def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
+    """Write and show how a flight ended; the exit code."""
+    with Interrupts():  # one Ctrl-C more than the flight needed must not hide how it ended
+        folder = recorder.folder
+        summary = _summarized(recorder, summary)
+        for name, flown in summary.vehicles.items():
+            if flown.failure:
+                click.echo(f"{name}: {flown.failure}", err=True)
+        if summary.unrecorded:
+            click.echo(summary.unrecorded, err=True)
+        no_room = how.picture and _draw(folder)
+        fields = summary_fields(summary, folder)
+        if how.out is None:
+            echo_json(fields, default=as_json_value)
+        else:
+            from cli.view import show_summary
+
+            show_summary(fields)
+        return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
 
 
 def _summarized(recorder: Recorder, summary: Summary) -> Summary:
@@ -268,10 +296,11 @@ def _draw(folder: Path) -> bool:
     from cli.plot import draw
 
     try:
-        draw(folder)
+        with Interrupts(last=1):
+            draw(folder)
     except UserError as error:
         click.echo(f"no picture: {error}", err=True)
         return isinstance(error, OutputError)
-    except KeyboardInterrupt:
+    except Stopped:
         click.echo(f"no picture: interrupted; drawn by `drone-cli picture {folder}`", err=True)
     return False

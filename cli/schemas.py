@@ -5,14 +5,17 @@ from __future__ import annotations
 import click
 
 from behaviors import drone_vocabulary
+from cli.options import call_limit_option
 from cli.output import echo_json
+from cli.user_code import user_code
 from fsm.schema import mission_schema
 from worlds.world_schema import world_schema
 
 
 @click.command()
+@call_limit_option
 @click.option("--worlds", is_flag=True, help="Of world files instead of missions.")
-def schema(worlds: bool) -> None:
+def schema(call_limit: float | None, worlds: bool) -> None:
     """Print the JSON Schema of missions, with every installed behaviour.
 
     Editors that know YAML schemas complete and explain with it what you write:
@@ -23,5 +26,7 @@ def schema(worlds: bool) -> None:
 
       # yaml-language-server: $schema=mission.schema.json
     """
-    found = world_schema() if worlds else mission_schema(drone_vocabulary())
+    with user_code(call_limit) as limit:
+        vocabulary = drone_vocabulary(calls=limit.calls)
+        found = world_schema() if worlds else mission_schema(vocabulary)
     echo_json(found, indent=2)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from cli.options import MissionName, Word
+from cli.options import MissionName, Word, call_limit_option
+from cli.user_code import user_code
 from fsm import Graph
 from runner import missions
 from runner.preparation import prepare
@@ -33,14 +34,19 @@ WRITERS = {
     help="How to show it.",
 )
 @click.option("--world", metavar="NAME|FILE", help="Check it against another world.")
+@call_limit_option
 @click.option("-o", "--output", metavar="FILE", help="Write to a file instead of the terminal.")
-def show(mission: str, format_: str, world: str | None, output: str | None) -> None:
+def show(
+    mission: str, format_: str, world: str | None, call_limit: float | None, output: str | None
+) -> None:
     """Show the graph of MISSION: a file, or a name as for `run`.
 
     text is an indented outline; svg a picture; mermaid and dot are for Mermaid and
     Graphviz; scxml is for other statechart tools.
     """
-    text = _written(prepare(missions.find(mission), world).graph, format_)
+    with user_code(call_limit) as limit:
+        graph = prepare(missions.find(mission), world, calls=limit.calls).graph
+    text = _written(graph, format_)
     if output is None:
         click.echo(text, nl=False)
         return

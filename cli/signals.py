@@ -2,26 +2,42 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from types import FrameType, TracebackType
+
+from cli.ending import leave
+from runner.run_folder import INTERRUPTED
+from vencejo.errors import Stopped
+
+LAST_WORDS = b"\nstopped; a vehicle in flight is left to its own failsafe\n"
 
 
 class Interrupts:
     """Counts requests to stop while it is entered; the flight loop looks at ``count``.
 
-    Ctrl-C adds one; SIGTERM and a closed terminal (SIGHUP) count as two. At three KeyboardInterrupt
-    is raised wherever the program is.
+    Ctrl-C adds one; SIGTERM and a closed terminal (SIGHUP) count as two. At ``last`` Stopped is
+    raised wherever the program is. Should a person's code swallow even that, the next request ends
+    the process at once.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, last: int = 3) -> None:
         self.count = 0
+        self._last = last
+        self._told = False
+        """Whether Stopped has been raised."""
         self._before: dict[int, signal.Handlers] = {}
 
     def request(self, weight: int = 1) -> None:
         """Count a request to stop that came by other means than a signal."""
         self.count = self.count + 1 if weight == 1 else max(self.count + 1, weight)
-        if self.count >= 3:
-            raise KeyboardInterrupt
+        if self.count < self._last:
+            return
+        if self._told:
+            os.write(2, LAST_WORDS)
+            leave(INTERRUPTED)
+        self._told = True
+        raise Stopped
 
     def __enter__(self) -> Interrupts:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

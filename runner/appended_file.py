@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, is_dataclass
+from enum import Enum
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,13 @@ from vencejo.errors import UserError, Where
 
 
 def as_json(value: Any) -> Any:
-    """Convert for ``json`` what it cannot write by itself: dataclasses to maps, sets to lists."""
+    """Convert for ``json`` what it cannot write: dataclasses, sets, members of enumerations."""
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
     if isinstance(value, (set, frozenset)):
         return sorted(value)
+    if isinstance(value, Enum):
+        return value.value
     return str(value)
 
 

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from platform import python_version
 from typing import Any, Protocol, Self
 
-from behaviors import MissionFrame, Pilot
+from behaviors import Calls, MissionFrame, Pilot
 from behaviors.host_functions import set_limits
 from fsm.engine.instance import Record
 from fsm.values.functions import EvaluationError
 from hal import Limits, Options, Session, open_backend
+from runner.call_limit import CallLimit
 from runner.pace import Pace
 from runner.preparation import Prepared
+from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
 from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
 from vencejo.errors import UserError, VehicleError, Where
@@ -130,6 +133,12 @@ class _Craft:
             self.pilot.period(dt)
         except VehicleError as error:
             self.lose(error)
+        except Exception as defect:
+            # Ours, or of a person's code in a way nobody has thought of: shown, and landed.
+            if self.pilot.outcome is not None:
+                raise
+            sys.excepthook(type(defect), defect, defect.__traceback__)
+            self.pilot.abandon(f"a defect of the program: {type(defect).__name__}: {defect}")
         channel = self.pilot.channel
         position = channel.world.position
         if self._last is not None and channel.jump is not None:
@@ -200,22 +209,100 @@ class _Never:
     count: int = 0
 
 
+@dataclass
+class _Flying:
+    """A flight under way: all vehicles in lockstep, one mission period after the other."""
+
+    session: Session
+    crafts: Sequence[_Craft]
+    log: _Log
+    watchers: Sequence[Watcher]
+    pace: Pace
+    stops: Stops
+    limit: CallLimit
+    answered: int = 0
+    """The number of requests to stop that have been carried out."""
+
+    def __post_init__(self) -> None:
+        self.aloft = self.crafts
+        """The vehicles that have not come to their end."""
+        self.settings = ProcessSettings.now()
+
+    def go_on(self, dt: float | None) -> None:
+        """Fly on with a period of ``dt`` seconds until all vehicles are down, or cannot be."""
+        while dt is not None:
+            self._period(dt)
+            dt = self._next()
+
+    def abandon(self, reason: str) -> None:
+        """End all missions in the midst of a period, land, and come back when all are down."""
+        for craft in self.aloft:
+            craft.pilot.abandon(reason)
+        self.go_on(self._next())
+
+    def _period(self, dt: float) -> None:
+        if self.stops.count > self.answered:
+            self.answered = self.stops.count
+            self._stop(at_once=self.answered > 1)
+        self.settings.restore()
+        self.limit.renew()
+        for craft in self.aloft:
+            craft.period(dt)
+        self._show()
+        if self.log.failure:
+            # A flight nobody can read afterwards is of no use, but it is not left in the air.
+            self._stop(at_once=True)
+        if self.pace.factor is not None:
+            self.pace.wait(self.aloft[0].pilot.channel.now, self._is_asked_more)
+        self.aloft = [craft for craft in self.aloft if not craft.over]
+
+    def _next(self) -> float | None:
+        """Wait for the next period; its seconds, or None when the flight is over."""
+        if not self.aloft:
+            return None
+        try:
+            return self.session.wait()
+        except VehicleError as error:
+            for craft in self.aloft:
+                craft.lose(error)
+            self._show(period=False)
+            self.aloft = []
+            return None
+
+    def _show(self, *, period: bool = True) -> None:
+        """Write down and show what the vehicles have just done, in a new ``period`` or not."""
+        for craft in self.aloft:
+            records = self.log.take(craft.pilot, period=period)
+            for watcher in self.watchers:
+                watcher.show(craft.pilot, records)
+
+    def _stop(self, *, at_once: bool) -> None:
+        """Ask every mission to stop, or land outside them."""
+        for craft in self.aloft:
+            craft.pilot.land_now() if at_once else craft.pilot.abort()
+
+    def _is_asked_more(self) -> bool:
+        return self.stops.count > self.answered
+
+
 def fly(
     plan: Plan,
     record: Callable[[], Recorder] | None = None,
     watchers: Sequence[Watcher] = (),
     pace: Pace | None = None,
     stops: Stops | None = None,
+    limit: CallLimit | None = None,
 ) -> Summary:
     """Fly a plan to its end: all vehicles in lockstep, each until its mission has ended and it is
     down, or cannot be brought down.
 
     ``record`` makes the recorder once nothing can keep the flight from starting any more.
-    ``stops`` asks every mission to stop, then lands every vehicle.
+    ``stops`` asks every mission to stop, then lands every vehicle. ``limit``, which its caller has
+    entered, ends calls into people's code that last too long; without it none is ended.
     Raises VehicleError when a vehicle cannot be had, UserError when one cannot fly this. What fails
     later is in the summary.
     """
-    pace, stops = pace or Pace(None), stops or _Never()
+    limit = limit or CallLimit(None)
     options = Options(
         vehicles=tuple(plan.assignments),
         world=plan.world_word,
@@ -226,71 +313,44 @@ def fly(
     known = versions()  # before the engine takes its memory: later it would be slower to get again
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
         dt = session.wait()
-        crafts = [_craft(plan, session, name, dt) for name in session.vehicles]
+        crafts = [_craft(plan, session, name, dt, limit.calls) for name in session.vehicles]
         header = _header(plan, session.engine)
-        log, answered, aloft = _Log(record() if record else None), 0, crafts
+        log = _Log(record() if record else None)
         stack.callback(log.close)
         log.begin(header, crafts)
+        flying = _Flying(
+            session, crafts, log, watchers, pace or Pace(None), stops or _Never(), limit
+        )
         began = time.perf_counter()
-        while aloft:
-            if stops.count > answered:
-                answered = stops.count
-                _stop(aloft, at_once=answered > 1)
-            for craft in aloft:
-                craft.period(dt)
-            _show(aloft, log, watchers)
-            if log.failure:
-                # A flight nobody can read afterwards is of no use, but it is not left in the air.
-                _stop(aloft, at_once=True)
-            if pace.factor is not None:
-                pace.wait(aloft[0].pilot.channel.now, partial(_asked_more, stops, answered))
-            aloft = [craft for craft in aloft if not craft.over]
-            if aloft:
-                try:
-                    dt = session.wait()
-                except VehicleError as error:
-                    for craft in aloft:
-                        craft.lose(error)
-                    _show(aloft, log, watchers, period=False)
-                    break
-        log.close()
-        wall_time = time.perf_counter() - began
-        flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
-        return Summary(header, flown, wall_time, answered > 0, known, log.failure)
+
+        def summary() -> Summary:
+            log.close()
+            wall_time = time.perf_counter() - began
+            flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
+            return Summary(header, flown, wall_time, flying.answered > 0, known, log.failure)
+
+        def land(reason: str) -> Summary:
+            flying.abandon(reason)
+            return summary()
+
+        limit.land = land
+        stack.callback(setattr, limit, "land", None)
+        flying.go_on(dt)
+        return summary()
 
 
-def _show(
-    crafts: Iterable[_Craft], log: _Log, watchers: Iterable[Watcher], *, period: bool = True
-) -> None:
-    """Write down and show what the vehicles have just done, in a new ``period`` or not."""
-    for craft in crafts:
-        records = log.take(craft.pilot, period=period)
-        for watcher in watchers:
-            watcher.show(craft.pilot, records)
-
-
-def _craft(plan: Plan, session: Session, name: str, dt: float) -> _Craft:
+def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> _Craft:
     """A vehicle with its mission, about to begin with a period of ``dt`` seconds."""
     vehicle, assignment = session.vehicles[name], plan.assignments[name]
     seen = vehicle.observe()
     frame = MissionFrame.at_start(seen, session.places, session.geographic)
     graph, parameters = assignment.prepared.graph, assignment.parameters
-    pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed)
+    pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed, calls=calls)
     try:
         set_limits(pilot.channel, plan.profile, **plan.limits.given())
     except EvaluationError as error:
         raise UserError("bad-limit", f"'{name}': {error}", Where("--limit")) from None
     return _Craft(pilot, seen.time - dt)
-
-
-def _stop(crafts: Iterable[_Craft], *, at_once: bool) -> None:
-    """Ask every mission to stop, or land outside them."""
-    for craft in crafts:
-        craft.pilot.land_now() if at_once else craft.pilot.abort()
-
-
-def _asked_more(stops: Stops, answered: int) -> bool:
-    return stops.count > answered
 
 
 def _header(plan: Plan, engine: str) -> Header:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from behaviors import drone_vocabulary, load_all, trusted
+from behaviors import Calls, drone_vocabulary, load_all, trusted
 from behaviors.registry import Own
 from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
 from fsm.faults import Faults
@@ -39,9 +39,12 @@ class Prepared:
     """The files that the flight depends on, the mission's first."""
 
 
-def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Prepared:
+def prepare(
+    found: Found, world: str | None = None, *, code: bool = True, calls: Calls | None = None
+) -> Prepared:
     """Read and check a mission; runs the Python files it uses, unless ``code`` is False.
 
+    ``calls`` are those that run them, for whoever limits their time.
     Raises UserError with every fault that was found.
     """
     faults = Faults()
@@ -50,7 +53,7 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
     place: World | None = None
     with faults.collecting():
         place = find_world(word, where)
-    vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code)
+    vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code, calls=calls)
     if document is not None:
         from fsm.scxml import load_document
 
@@ -60,12 +63,12 @@ def prepare(found: Found, world: str | None = None, *, code: bool = True) -> Pre
         graph = compile_mission(spec, vocabulary, faults)
         graph = replace(graph, warnings=(*graph.warnings, *prove(graph)))
     assert place is not None, "a world that is not there is a fault"
-    files = (found.path, *_others(spec, found.path))
+    files = (found.path, *_others(spec, found.path), *_sources(document))
     return Prepared(found, spec, graph, place, word, files)
 
 
 def check_fleet_file(
-    found: Found, world: str | None = None, *, code: bool = True
+    found: Found, world: str | None = None, *, code: bool = True, calls: Calls | None = None
 ) -> tuple[list[Fault], list[Graph]]:
     """Every fault of a fleet and of its missions, and the graphs of those that have no error.
 
@@ -80,7 +83,13 @@ def check_fleet_file(
         with faults.collecting():
             found_here = Faults()
             vocabulary = _vocabulary_of(
-                member.spec, member.path, place, found_here, code=code, peers=fleet.names
+                member.spec,
+                member.path,
+                place,
+                found_here,
+                code=code,
+                peers=fleet.names,
+                calls=calls,
             )
             graph = compile_mission(member.spec, vocabulary, found_here)
             graphs[member.name.text] = graph
@@ -111,6 +120,7 @@ def _vocabulary_of(
     *,
     code: bool = True,
     peers: Iterable[str] | None = None,
+    calls: Calls | None = None,
 ) -> Vocabulary:
     """The vocabulary of a mission: that of drones, and the Python files that its graphs use.
 
@@ -125,10 +135,10 @@ def _vocabulary_of(
     own: Own | None = None
     if code:
         with faults.collecting():
-            own = load_all(files)
+            own = load_all(files, calls)
     if own is None:
         own = trusted(files, faults)
-    return drone_vocabulary(own, world.places if world else None, peers)
+    return drone_vocabulary(own, world.places if world else None, peers, calls)
 
 
 def _path(graph: MissionSpec, spec: MissionSpec, path: Path) -> Path:
@@ -145,6 +155,15 @@ def _others(spec: MissionSpec, path: Path) -> Iterator[Path]:
         found.update(dict.fromkeys(file.parent / scalar.text for scalar in graph.uses))
     del found[path]
     yield from found
+
+
+def _sources(document: Element | None) -> list[Path]:
+    """The files that a foreign SCXML document takes values and scripts from."""
+    if document is None:
+        return []
+    from fsm.scxml import sources
+
+    return sources(document)
 
 
 def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:

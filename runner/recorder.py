@@ -70,10 +70,11 @@ class Recorder:
         self._rows: list[tuple[Observation, str, Sequence[str]]] = []
         self._states: dict[str, Sequence[str]] = {}
         """Paths of the active leaf states, by vehicle."""
-        self._frames = FrameFiles(folder) if frames else None
+        place = folder.absolute()  # a person's code may go to another folder in flight
+        self._frames = FrameFiles(place) if frames else None
         self._unwritten_frames: list[tuple[str, str, Frame]] = []
         """Vehicle, camera and frame of every frame read but not yet written."""
-        self._readings = ReadingFile(folder)
+        self._readings = ReadingFile(place)
         self._unwritten_readings: list[tuple[str, str, Reading]] = []
         """Vehicle, sensor and reading of every reading read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)

@@ -102,6 +102,10 @@ def cannot_write(
     return kind(code, f"{message}: {error.strerror or error}", where, hint)
 
 
+class Stopped(BaseException):
+    """The operator stops the program: all that guards people's code lets through."""
+
+
 def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> str | None:
     """A hint: the known word most similar to ``word``, or else ``otherwise``, or else a list.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import ceil, dist
+from math import acos, ceil, dist, inf
 
 _STEP = 0.5
 """Curves are sampled about this densely, metres."""
@@ -14,12 +14,15 @@ _MOST_SAMPLES = 64
 Coordinates = tuple[float, ...]
 
 
-def smooth(points: Sequence[Coordinates], closed: bool = False) -> list[Coordinates]:
+def smooth(
+    points: Sequence[Coordinates], closed: bool = False, most_bend: float = inf
+) -> list[Coordinates]:
     """Sample a centripetal Catmull-Rom spline through all points.
 
-    A closed one ends at its first point. Centripetal: knots are a square root of the distance
-    apart, so the curve makes no loops between points (C. Yuksel et al., *Parameterization and
-    applications of Catmull-Rom curves*, 2011).
+    A closed one ends at its first point. ``most_bend``: about the greatest bend between samples,
+    radians. Centripetal: knots are a square root of the distance apart, so the curve makes no loops
+    between points (C. Yuksel et al., *Parameterization and applications of Catmull-Rom curves*,
+    2011).
     """
     if closed:
         around = [points[-1], *points, points[0], points[1]]
@@ -28,17 +31,34 @@ def smooth(points: Sequence[Coordinates], closed: bool = False) -> list[Coordina
         around = [_mirrored(points[1], points[0]), *points, _mirrored(points[-2], points[-1])]
     curve = [tuple(points[0])]
     for k in range(1, len(around) - 2):
-        curve.extend(_span(around[k - 1], around[k], around[k + 1], around[k + 2]))
+        controls = around[k - 1], around[k], around[k + 1], around[k + 2]
+        samples = min(_MOST_SAMPLES, max(1, ceil(dist(around[k], around[k + 1]) / _STEP)))
+        span = _span(*controls, samples)
+        sharpest = _sharpest_bend([around[k], *span])
+        if sharpest > most_bend:
+            span = _span(*controls, samples * ceil(sharpest / most_bend))
+        curve.extend(span)
     return curve
 
 
-def _span(a: Coordinates, b: Coordinates, c: Coordinates, d: Coordinates) -> list[Coordinates]:
+def _sharpest_bend(points: Sequence[Coordinates]) -> float:
+    """The greatest bend of a polyline, radians."""
+    sharpest = 0.0
+    for (a, b), (_, c) in pairwise(pairwise(points)):
+        along = sum((v - u) * (w - v) for u, v, w in zip(a, b, c, strict=True))
+        share = along / (dist(a, b) * dist(b, c))
+        sharpest = max(sharpest, acos(max(-1.0, min(1.0, share))))
+    return sharpest
+
+
+def _span(
+    a: Coordinates, b: Coordinates, c: Coordinates, d: Coordinates, samples: int
+) -> list[Coordinates]:
     """Sample the curve from b (left out) to c.
 
     P. J. Barry, R. N. Goldman, *A recursive evaluation algorithm for a class of Catmull-Rom
     splines*, SIGGRAPH 1988.
     """
-    samples = min(_MOST_SAMPLES, max(1, ceil(dist(b, c) / _STEP)))
     t0, t1 = 0.0, dist(a, b) ** 0.5
     t2 = t1 + dist(b, c) ** 0.5
     t3 = t2 + dist(c, d) ** 0.5

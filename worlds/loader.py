@@ -18,7 +18,7 @@ from worlds import roads
 from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.kinds import BEACON, KINDS
 from worlds.solids import START_CLEARANCE, thing_near, top_of
-from worlds.terrain import height_at
+from worlds.terrain import height_at, place_of
 from worlds.things import Terrain, Thing
 from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
 from worlds.world import Start, World
@@ -76,20 +76,15 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         faults.extend(named[key].faults)
     faults.extend(_repeated(named))
     ground = keys.get("ground", GROUND.default)
-
-    def stand(spot: Spot) -> Point:
-        """The point of a spot: on the ground, where no height is written."""
-        high = height_at(ground.terrain, spot.x, spot.y) if spot.z is None else spot.z
-        return Point(spot.x, spot.y, high)
-
+    terrain = ground.terrain
     things = tuple(
-        draft.thing(key.text, stand)
+        draft.thing(key.text, terrain)
         for kind in (*KINDS, "beacons")
         for key, draft in named[kind].entries
     )
     written = keys.get("start") or [(root.where, Spot(0.0, 0.0), 0.0)] if "start" in keys else []
-    starts = [(where, Start(stand(spot), heading)) for where, spot, heading in written]
-    faults.extend(_bad_starts(starts, things, ground.terrain))
+    starts = [(where, Start(place_of(terrain, spot), heading)) for where, spot, heading in written]
+    faults.extend(_bad_starts(starts, things, terrain))
     if faults:
         raise UserError.of(sorted(faults, key=lambda fault: fault.where or root.where))
     beacons = {thing.name: thing.at for thing in things if thing.kind == "beacon"}

@@ -6,15 +6,19 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from math import dist, floor
+from math import dist, floor, pi
 
 from vencejo.geometry import Point, Pose, bearing, product, wrap, yaw_quaternion
 from worlds.things import Motion, Thing
 
 STRETCH = 0.025
 """Seconds that a thing moves in a straight line, one mission period; then it is on its path."""
-_TURN_TIME = 0.5
-"""Seconds before and after a corner in which a thing turns; less where its legs are shorter."""
+_GENTLE = pi / 18
+"""Greatest bend of a path, radians, round which a thing turns gradually: for the corners of curves,
+which are sampled."""
+_TURN_TIME = 0.25
+"""Seconds before and after a gentle bend in which a thing turns; less where its legs are shorter.
+"""
 
 
 def pose_at(thing: Thing, time: float) -> Pose:
@@ -61,14 +65,16 @@ class Track:
 
     def at(self, time: float) -> tuple[Point, float]:
         """Place and heading at a time, exactly on the course."""
-        passed = self.speed * time % self.distances[-1]
+        rounds, passed = divmod(self.speed * time, self.distances[-1])
         leg = min(bisect_right(self.distances, passed), len(self.headings)) - 1
         a, b = self.corners[leg], self.corners[leg + 1]
         done = (passed - self.distances[leg]) / self._length(leg)
         along = b.minus(a)
         place = a.plus((along.x * done, along.y * done, along.z * done))
         if done < 0.5:
-            return place, self._heading_near_corner(leg - 1, leg, passed - self.distances[leg])
+            # It begins facing along the path; it has not come round the corner where it begins.
+            before = leg - 1 if leg or rounds else leg
+            return place, self._heading_near_corner(before, leg, passed - self.distances[leg])
         following = (leg + 1) % len(self.headings)
         to_corner = passed - self.distances[leg + 1]
         return place, self._heading_near_corner(leg, following, to_corner)
@@ -77,7 +83,8 @@ class Track:
         """The heading ``offset`` metres behind the corner of two legs; below 0, before it."""
         bend = wrap(self.headings[after] - self.headings[before])
         shorter = min(self._length(before), self._length(after))
-        reach = min(_TURN_TIME * self.speed, shorter / 2)
+        turn_time = _TURN_TIME if abs(bend) < _GENTLE else STRETCH
+        reach = min(turn_time * self.speed, shorter / 2)
         share = min(1.0, max(0.0, (offset + reach) / (2 * reach)))
         return wrap(self.headings[before] + bend * share)
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import Any
 
 from vencejo.geometry import Point, yaw_quaternion
 from worlds import curves
-from worlds.things import Motion, Part, Thing
+from worlds.terrain import on_ground, place_of
+from worlds.things import Motion, Part, Terrain, Thing
 from worlds.values import (
     ANGLE_VALUE,
     FLAG,
@@ -22,8 +24,8 @@ from worlds.values import (
     record,
 )
 
-Stand = Callable[[Spot], Point]
-"""Gives a spot its height: that of the ground, where none is written."""
+_MOST_BEND = pi / 60
+"""Of a smooth path's samples, radians: a thing that follows it faces along it, but for half."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +38,20 @@ class PathDraft:
     smooth: bool
     turns: bool
 
-    def motion(self, stand: Stand) -> Motion:
-        """The motion along the path; a smooth one is sampled."""
-        points = [tuple(stand(spot)) for spot in self.through]
+    def motion(self, terrain: Terrain | None) -> Motion:
+        """The motion along the path; a smooth one is sampled.
+
+        A path without any height lies on the ground all along.
+        """
+        points: list[tuple[float, ...]] = [place_of(terrain, spot) for spot in self.through]
         if self.smooth:
-            points = curves.smooth(points, self.loop)
-            points = points[:-1] if self.loop else points
+            points = curves.smooth(points, self.loop, _MOST_BEND)
+        elif self.loop:
+            points.append(points[0])
+        if terrain is not None and all(spot.z is None for spot in self.through):
+            points = [*on_ground(terrain, points)]
+        if self.loop:
+            points.pop()
         return Motion(tuple(Point(*p) for p in points), self.speed, self.loop, self.turns)
 
 
@@ -56,10 +66,10 @@ class ThingDraft:
     heading: float
     moves: PathDraft | None
 
-    def thing(self, name: str, stand: Stand) -> Thing:
+    def thing(self, name: str, terrain: Terrain | None) -> Thing:
         """The thing of that name; one that moves begins where its path begins."""
-        motion = self.moves.motion(stand) if self.moves else None
-        at = motion.points[0] if motion else stand(self.spot)
+        motion = self.moves.motion(terrain) if self.moves else None
+        at = motion.points[0] if motion else place_of(terrain, self.spot)
         attitude = yaw_quaternion(self.heading)
         return Thing(name, self.kind, at, attitude, self.parts, self.solid, motion)
 

@@ -9,7 +9,7 @@ in a :class:`Configurations`, which all instances of the graph share.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeVar
 
 from fsm.chart.entry_sets import fixed_entry_set
@@ -22,6 +22,8 @@ MAX_CONFIGURATIONS = 10_000
 MAX_KEPT = 100
 """Events, and steps, kept for a configuration."""
 
+NO_DEFAULTS: Mapping[int, Sequence[Node]] = {}
+
 K = TypeVar("K")
 V = TypeVar("V")
 
@@ -30,13 +32,13 @@ V = TypeVar("V")
 class Entry:
     """The states that a microstep enters. Nobody changes one; frozen ones take longer to make."""
 
-    states: tuple[Node, ...]
-    """Outer ones first."""
+    states: Sequence[tuple[Node, int]]
+    """Outer ones first, each with the mask of the configuration from its entry on."""
     mask: int
     """The mask of the configuration that results."""
-    histories: tuple[Node, ...] = ()
+    histories: Sequence[Node]
     """The history states through which states are restored with their data and progress."""
-    defaults: Mapping[int, Sequence[Node]] = field(default_factory=dict)
+    defaults: Mapping[int, Sequence[Node]]
     """State index → the states whose default actions follow the entry actions of that state."""
 
 
@@ -46,12 +48,15 @@ class Step:
 
     taken: tuple[tuple[Edge, Record], ...]
     """The transitions with what is recorded of each."""
-    leaving: tuple[Node, ...]
-    """The states left, inner ones first."""
+    leaving: tuple[tuple[Node, int], ...]
+    """The states left, inner ones first, each with the mask of the configuration without it."""
+    mask: int
+    """The mask of the configuration when all these have been left."""
     entering: tuple[Node, ...]
     """The states entered whatever happened before, outer ones first."""
-    open: tuple[Edge, ...]
-    """Transitions whose entered states depend on history, or have default actions to be run."""
+    open: tuple[tuple[Edge, Node], ...]
+    """Transitions whose entered states depend on history, or have default actions to be run, each
+    with its domain."""
     entry: Entry | None
     """The states entered; None when some transitions are open."""
 
@@ -87,7 +92,7 @@ class Configuration:
         self.always = any(node.always for node in self.states)
         self._in_order: dict[str, tuple[Edge, ...]] = {}
         self._by_state: dict[str, Mapping[int, tuple[Edge, ...]]] = {}
-        self._steps: dict[tuple[Edge, ...], Step] = {}
+        self._steps: dict[tuple[Edge | Node | None, ...], Step] = {}
 
     def edges_in_order(self, event: str) -> tuple[Edge, ...]:
         """The transitions an event may take, in the order they are tried. For one active leaf."""
@@ -111,28 +116,38 @@ class Configuration:
             found = _keep(self._by_state, event, {index: e for index, e in edges.items() if e})
         return found
 
-    def step(self, edges: tuple[Edge, ...]) -> Step:
-        """The changes that taking these transitions together makes."""
-        return self._steps.get(edges) or _keep(self._steps, edges, self._new_step(edges))
+    def step(self, edges: tuple[Edge, ...], narrowed: tuple[Node | None, ...] = ()) -> Step:
+        """The changes that taking these transitions together makes.
 
-    def _new_step(self, edges: tuple[Edge, ...]) -> Step:
-        domains = [edge.domain for edge in edges if edge.domain is not None]
-        left = [node for node in self.states if any(domain.contains(node) for domain in domains)]
+        ``narrowed`` are the present domains of those where history decides on them, in their order.
+        """
+        key = edges + narrowed
+        return self._steps.get(key) or _keep(self._steps, key, self._new_step(edges, narrowed))
+
+    def _new_step(self, edges: tuple[Edge, ...], narrowed: Iterable[Node | None]) -> Step:
+        narrow = iter(narrowed)
+        domains = [next(narrow) if edge.by_history else edge.domain for edge in edges]
+        left = [node for node in self.states if any(d and d.contains(node) for d in domains)]
+        mask, leaving = self.mask, []
+        for node in reversed(left):
+            mask ^= node.mask
+            leaving.append((node, mask))
         fixed = [fixed_entry_set(edge) for edge in edges]
         entered = {node for nodes in fixed for node in nodes or ()}
         entering = tuple(sorted(entered, key=lambda node: node.index))
-        open_ = tuple(e for e, nodes in zip(edges, fixed, strict=True) if nodes is None)
+        open_ = tuple(
+            (edge, domain)
+            for edge, domain, nodes in zip(edges, domains, fixed, strict=True)
+            if domain is not None and nodes is None
+        )
         return Step(
             tuple((edge, edge.taking) for edge in edges),
-            tuple(reversed(left)),
+            tuple(leaving),
+            mask,
             entering,
             open_,
-            None if open_ else Entry(entering, self.mask_after(left, entering)),
+            None if open_ else entry_after(mask, entering),
         )
-
-    def mask_after(self, leaving: Iterable[Node], entering: Iterable[Node]) -> int:
-        """The mask of the configuration after these states were left and those entered."""
-        return (self.mask & ~mask_of(leaving)) | mask_of(entering)
 
 
 class Configurations(dict[int, Configuration]):
@@ -147,6 +162,20 @@ class Configurations(dict[int, Configuration]):
 
     def __missing__(self, mask: int) -> Configuration:
         return _keep(self, mask, Configuration(self._graph, mask), MAX_CONFIGURATIONS)
+
+
+def entry_after(
+    mask: int,
+    nodes: Iterable[Node],
+    histories: Sequence[Node] = (),
+    defaults: Mapping[int, Sequence[Node]] = NO_DEFAULTS,
+) -> Entry:
+    """The entry of states, outer ones first, into the configuration of this mask."""
+    states = []
+    for node in nodes:
+        mask |= node.mask
+        states.append((node, mask))
+    return Entry(states, mask, histories, defaults)
 
 
 def mask_of(nodes: Iterable[Node]) -> int:

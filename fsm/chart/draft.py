@@ -17,7 +17,7 @@ from fsm.language.reader import MAX_STATE_DEPTH
 from fsm.language.spec import StateType, TriggerKind
 from vencejo.errors import Where
 
-__all__ = ["MAX_STATE_DEPTH", "Draft", "StateDraft", "TransitionDraft", "compatible", "domain_of"]
+__all__ = ["MAX_STATE_DEPTH", "Draft", "StateDraft", "TransitionDraft", "compatible"]
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -94,7 +94,11 @@ class Draft(list[StateDraft]):
 
 
 def compatible(a: StateDraft, b: StateDraft) -> bool:
-    """Whether a transition may enter both: they lie in different regions of one parallel state."""
+    """Whether a transition may enter both: they lie in different regions of one parallel state.
+
+    A history state stands for everything inside its parent.
+    """
+    a, b = _entered(a), _entered(b)
     common = a
     while not common.index <= b.index <= common.last:
         assert common.parent is not None, "the root is around every state"
@@ -102,24 +106,6 @@ def compatible(a: StateDraft, b: StateDraft) -> bool:
     return common.type == "parallel" and common is not a and common is not b
 
 
-def domain_of(
-    source: StateDraft, targets: Sequence[StateDraft], reenter: bool
-) -> StateDraft | None:
-    """The state whose inside a transition leaves; None without targets: then nothing is left.
-
-    SCXML's getTransitionDomain and findLCCA (W3C recommendation of 2015, appendix D). A target
-    inside a compound source leaves the source only where ``reenter`` is set.
-    """
-    if not targets:
-        return None
-    indices = [target.index for target in targets]
-    first, last = min(indices), max(indices)
-    within = source.index < first and last <= source.last
-    if within and (source.border or (source.type == "compound" and not reenter)):
-        return source
-    place = source
-    while place.parent is not None:
-        place = place.parent
-        if place.type == "compound" and place.index < first and last <= place.last:
-            return place
-    return place
+def _entered(target: StateDraft) -> StateDraft:
+    """The state that a target fills: itself, or a history state's parent."""
+    return target.parent if target.type == "history" and target.parent else target

@@ -1,4 +1,4 @@
-"""Which states a transition enters: SCXML's entry sets, and default entries.
+"""Which states a transition leaves and enters: SCXML's domains and entry sets, default entries.
 
 Functions of the graph and of what history remembers (W3C recommendation of 2015, appendix D).
 """
@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from fsm.chart.graph import Edge, Node
+from fsm.chart.nesting import domain_of
 
 Recorded = Callable[[Node], tuple[Node, ...] | None]
 """The states that a history state stands for; None when its parent has never been left."""
@@ -20,6 +21,20 @@ def default_entry(node: Node) -> tuple[Node, ...]:
     if node.type == "parallel":
         return tuple(child for child in node.children if child.type != "history")
     return node.initial
+
+
+def transition_domain(edge: Edge, recorded: Recorded) -> Node | None:
+    """The state whose descendants a transition leaves; None for one without targets.
+
+    That of the effective targets: of what a history state stands for now, and not of itself
+    (SCXML's getTransitionDomain and getEffectiveTargetStates).
+    """
+    if not edge.by_history:
+        return edge.domain
+    effective: list[Node] = []
+    for target in edge.targets:
+        effective += (recorded(target) or target.initial) if target.type == "history" else (target,)
+    return domain_of(edge.node, effective, edge.reenter)
 
 
 @dataclass(slots=True)
@@ -42,10 +57,12 @@ class EntrySet:
 def entry_set(domain: Node, targets: Iterable[Node], recorded: Recorded) -> EntrySet:
     """The states that a transition enters below ``domain``.
 
-    SCXML's computeEntrySet (W3C recommendation of 2015, appendix D).
+    SCXML's computeEntrySet (W3C recommendation of 2015, appendix D). Where it would climb from what
+    history remembers past the domain, states would be entered that have not been left; section 3.13
+    forbids that, and nothing outside the domain is entered here.
     """
     found = EntrySet()
-    _Entering(found, recorded).enter(targets, domain)
+    _Entering(found, recorded, domain).enter(targets, domain)
     return found
 
 
@@ -55,8 +72,9 @@ class _Entering:
 
     found: EntrySet
     recorded: Recorded
+    domain: Node
 
-    def enter(self, targets: Iterable[Node], stop: Node | None) -> None:
+    def enter(self, targets: Iterable[Node], stop: Node) -> None:
         """Add targets with what is inside them, and the states between them and ``stop``."""
         # All of them first: what is around one must not fill another's region with its default.
         targets = tuple(targets)
@@ -67,7 +85,8 @@ class _Entering:
 
     def descend(self, node: Node) -> None:
         if node.type == "history":
-            self.enter(self.remembered(node), node.parent)
+            assert node.parent is not None, "a history state has a parent"
+            self.enter(self.remembered(node, node.parent), node.parent)
             return
         self.found.entering[node.index] = node
         if node.type == "compound":
@@ -76,13 +95,12 @@ class _Entering:
         elif node.type == "parallel":
             self.fill(node)
 
-    def remembered(self, history: Node) -> tuple[Node, ...]:
+    def remembered(self, history: Node, parent: Node) -> tuple[Node, ...]:
         states = self.recorded(history)
         if states is not None:
             self.found.histories.append(history)
             return states
-        assert history.parent is not None
-        self.defaulted(history, history.parent)
+        self.defaulted(history, parent)
         return history.initial
 
     def defaulted(self, node: Node, entered: Node) -> None:
@@ -90,10 +108,10 @@ class _Entering:
         if node.default_actions:
             self.found.defaults.setdefault(entered.index, []).append(node)
 
-    def climb(self, node: Node, stop: Node | None) -> None:
+    def climb(self, node: Node, stop: Node) -> None:
         entering = self.found.entering
         for ancestor in node.ancestors:
-            if ancestor is stop:
+            if ancestor is stop or not self.domain.contains(ancestor):
                 return
             new = ancestor.index not in entering
             entering[ancestor.index] = ancestor

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from fsm.expressions.compiled import Compiled
 from fsm.host import BehaviorInfo, Host
+from fsm.values.functions import EvaluationError
 from fsm.values.types import Type
 from vencejo.errors import Where
 from vencejo.nodes import YamlNode
@@ -20,6 +21,35 @@ EventFields = dict[str, Any]
 """The fields of the event at hand; there are none where no event is."""
 Record = tuple[str, dict[str, Any]]
 """Something that happened: its kind and its fields. Instances share some, so none is changed."""
+CONTENT = "<content>"
+"""The key of an event's data that are one value without fields; no field can have this name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """How an event came about, as SCXML documents see it (W3C recommendation, section 5.10.1)."""
+
+    type: Literal["external", "internal", "platform"]
+    sendid: str | None = None
+    """The id of the `send` that it comes from, where that was given one or has failed."""
+    address: str | None = None
+    """The target that an answer is sent to."""
+    processor: str | None = None
+    """The type of the event processor that an answer is sent by."""
+
+
+EXTERNAL = Origin("external")
+INTERNAL = Origin("internal")
+PLATFORM = Origin("platform")
+
+
+class NotSentError(EvaluationError):
+    """An event could not be sent; ``event`` is what the graph hears of it."""
+
+    def __init__(self, message: str, event: str, sendid: str) -> None:
+        super().__init__(message)
+        self.event = event
+        self.sendid = sendid
 
 
 class Runtime(Protocol):
@@ -40,11 +70,17 @@ class Runtime(Protocol):
     def record(self, what: str, **fields: Any) -> None:
         """Add to the records."""
 
-    def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
+    def raise_event(self, name: str, fields: Mapping[str, Any], origin: Origin = INTERNAL) -> None:
         """Queue an event for this macrostep."""
 
     def send(
-        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+        self,
+        name: str,
+        fields: Mapping[str, Any],
+        delay: float,
+        id_: str,
+        to: str = "",
+        origin: Origin = EXTERNAL,
     ) -> None:
         """Queue an event for a later period, ``delay`` seconds from now, or for another vehicle."""
 

@@ -16,9 +16,9 @@ from typing import Any, cast
 from transitions.core import Condition, EventData, State, Transition
 
 from fsm.chart.digest import Element, digest_of
-from fsm.chart.draft import Draft, StateDraft, TransitionDraft, domain_of
+from fsm.chart.draft import Draft, StateDraft, TransitionDraft
 from fsm.chart.executable import Action, Data, Given, Invocation, Record, Runtime
-from fsm.chart.nesting import Nested
+from fsm.chart.nesting import Nested, domain_of
 from fsm.expressions.compiled import Compiled
 from fsm.host import Parameter, Vocabulary
 from fsm.language.spec import MissionSpec, StateType, TriggerKind
@@ -73,6 +73,10 @@ class Edge(Frozen, Transition):
     targets: tuple[Node, ...]
     domain: Node | None
     """The state whose descendants are left; None for a transition without targets."""
+    by_history: bool
+    """True when history may narrow the domain to a state inside it (see
+    :func:`fsm.chart.entry_sets.transition_domain`): a target is a history state around which its
+    own state lies, so that what is remembered can lie closer to that."""
     guard: Compiled | None
     hold: Compiled | None
     """Duration for which its condition must hold, seconds; None for none."""
@@ -90,6 +94,10 @@ class Edge(Frozen, Transition):
             label=draft.name,
             targets=tuple([nodes[target.index] for target in draft.targets]),
             domain=None if domain is None else nodes[domain.index],
+            by_history=any(
+                target.type == "history" and target.parent and target.parent.contains(source)
+                for target in draft.targets
+            ),
             guard=draft.guard,
             hold=draft.hold,
             actions=draft.actions,

@@ -1,22 +1,34 @@
 """Which transitions are taken together: SCXML's selection and its conflicts.
 
-Functions of a configuration alone (W3C recommendation of 2015, appendix D).
+Functions of a configuration and of what history remembers (W3C recommendation of 2015, appendix D).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
+from fsm.chart.entry_sets import Recorded, transition_domain
 from fsm.chart.graph import Edge, Node
 
 
 def select(
-    leaves: Iterable[Node], choose: Callable[[Node], Edge | None], outer_first: bool
+    leaves: Iterable[Node],
+    choose: Callable[[Node], Edge | None],
+    recorded: Recorded,
+    outer_first: bool,
 ) -> list[Edge]:
     """The transitions to take: for each active leaf its first, as far as they do not conflict.
 
     ``choose`` gives the transition that a state offers, or None; it is called once per state.
     """
+
+    def in_conflict(a: Edge, b: Edge) -> bool:
+        """Whether the exit sets of two transitions meet."""
+        left, right = transition_domain(a, recorded), transition_domain(b, recorded)
+        if left is None or right is None:
+            return False
+        return left is right or left.contains(right) or right.contains(left)
+
     picked: list[Edge] = []
     chosen: dict[int, Edge | None] = {}
     for leaf in leaves:
@@ -28,7 +40,7 @@ def select(
                 if edge not in picked:
                     picked.append(edge)
                 break
-    return without_conflicts(picked, outer_first) if len(picked) > 1 else picked
+    return without_conflicts(picked, in_conflict, outer_first) if len(picked) > 1 else picked
 
 
 def chain(node: Node, outer_first: bool) -> Sequence[Node]:
@@ -37,8 +49,10 @@ def chain(node: Node, outer_first: bool) -> Sequence[Node]:
     return around[::-1] if outer_first else around
 
 
-def without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
-    """The transitions without those whose exit set meets that of a preferred one.
+def without_conflicts(
+    edges: Iterable[Edge], in_conflict: Callable[[Edge, Edge], bool], outer_first: bool
+) -> list[Edge]:
+    """The transitions without those that are in conflict with a preferred one.
 
     A transition of an inner state is preferred to one of a state around it (with ``outer_first``
     it is not), otherwise the earlier one.
@@ -47,7 +61,7 @@ def without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
     for edge in edges:
         beaten: list[Edge] = []
         for other in kept:
-            if not _in_conflict(edge, other):
+            if not in_conflict(edge, other):
                 continue
             if outer_first or not other.node.contains(edge.node):
                 break
@@ -55,10 +69,3 @@ def without_conflicts(edges: Iterable[Edge], outer_first: bool) -> list[Edge]:
         else:
             kept = [other for other in kept if other not in beaten] + [edge]
     return kept
-
-
-def _in_conflict(a: Edge, b: Edge) -> bool:
-    """Whether the exit sets of two transitions can meet."""
-    if a.domain is None or b.domain is None:
-        return False
-    return a.domain is b.domain or a.domain.contains(b.domain) or b.domain.contains(a.domain)

@@ -6,13 +6,13 @@ index of each state: a hundred thousand configurations are visited in about a se
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from fsm.chart.entry_sets import default_entry
 from fsm.chart.graph import Edge, Graph, Node
 from fsm.chart.selection import without_conflicts
-from fsm.checks.possibilities import Possibilities, Task, owner_of, up_to_unguarded
+from fsm.checks.possibilities import Effect, Possibilities, Task, owner_of, up_to_unguarded
 
 MAX_CONFIGURATIONS = 100_000
 
@@ -127,16 +127,27 @@ class Explorer:
             self.can.offered(leaf, event) for leaf in _bits(config[0] & self.takers.get(event, 0))
         ]
         for picked in product(*options):
-            edges = tuple(dict.fromkeys(edge for edge in picked if edge is not None))
-            if len(edges) > 1:
-                edges = tuple(without_conflicts(edges, self.graph.outer_first))
+            edges = list(dict.fromkeys(edge for edge in picked if edge is not None))
             for effects in product(*map(self.can.effects, edges)) if edges else ():
-                leaves, ended = config
-                for effect in effects:
-                    leaves, ended = leaves & effect.kept, ended & effect.kept_ended
-                for effect in effects:
-                    leaves |= effect.entered
-                yield edges, (leaves, ended)
+                yield self.together(config, dict(zip(edges, effects, strict=True)))
+
+    def together(
+        self, config: Config, offered: Mapping[Edge, Effect]
+    ) -> tuple[tuple[Edge, ...], Config]:
+        """Those of the transitions with these effects that do not conflict, and what they make of
+        a configuration.
+        """
+
+        def in_conflict(a: Edge, b: Edge) -> bool:
+            return bool(~offered[a].kept & ~offered[b].kept)
+
+        taken = tuple(without_conflicts(offered, in_conflict, self.graph.outer_first))
+        leaves, ended = config
+        for edge in taken:
+            leaves, ended = leaves & offered[edge].kept, ended & offered[edge].kept_ended
+        for edge in taken:
+            leaves |= offered[edge].entered
+        return taken, (leaves, ended)
 
     def moves(self, config: Config) -> tuple[list[Move], bool]:
         """The moves without an event from outside, and whether the configuration is left at once.

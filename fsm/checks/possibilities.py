@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import product
 from typing import NamedTuple, TypeVar
 
-from fsm.chart.entry_sets import entry_set
+from fsm.chart.entry_sets import Recorded, entry_set, transition_domain
 from fsm.chart.graph import Edge, Graph, Node
 from fsm.chart.selection import chain
 from fsm.checks.regions import independent_states
@@ -142,16 +142,21 @@ class Possibilities:
         """The effects of a transition; several where they depend on what history remembers."""
         found = self._effects.get(edge)
         if found is None:
-            domain = edge.domain
-            if domain is None:
-                found = (Effect(-1, -1, 0),)
-            else:
-                first, size = domain.index + 1, domain.last - domain.index
-                left, left_ended = (1 << size) - 1 << first, (1 << 2 * size) - 1 << 2 * first
-                entered = self.entries(domain, edge.targets)
-                found = tuple(Effect(~left, ~left_ended, self.mask(nodes)) for nodes in entered)
+            found = tuple(dict.fromkeys(self._new_effects(edge)))
             self._effects[edge] = found
         return found
+
+    def _new_effects(self, edge: Edge) -> Iterator[Effect]:
+        if edge.domain is None:
+            yield Effect(-1, -1, 0)
+            return
+        for recorded in self._memories(edge.domain, edge.targets):
+            domain = transition_domain(edge, recorded)
+            assert domain is not None, "a transition with targets has a domain"
+            first, size = domain.index + 1, domain.last - domain.index
+            left, left_ended = (1 << size) - 1 << first, (1 << 2 * size) - 1 << 2 * first
+            entered = entry_set(domain, edge.targets, recorded).states
+            yield Effect(~left, ~left_ended, self.mask(entered))
 
     def mask(self, nodes: Iterable[Node]) -> int:
         """The mask of the leaves among these states, without those of independent regions."""
@@ -163,21 +168,21 @@ class Possibilities:
 
     def entries(self, domain: Node, targets: tuple[Node, ...]) -> list[list[Node]]:
         """The sets of states that may be entered; history may give any that it could remember."""
-        asked: dict[int, Node] = {}
+        return [
+            entry_set(domain, targets, recorded).states
+            for recorded in self._memories(domain, targets)
+        ]
 
-        def first(history: Node) -> tuple[Node, ...]:
-            asked[history.index] = history
-            return history.initial
+    def _memories(self, domain: Node, targets: tuple[Node, ...]) -> Iterator[Recorded]:
+        """What the history states may remember that are asked for on the way to these targets."""
+        asked: dict[Node, None] = {}
 
-        entered = entry_set(domain, targets, first).states
-        if not asked:
-            return [entered]
-        found = []
-        for picked in product(*(_remembered(history) for history in asked.values())):
-            memory = dict(zip(asked, picked, strict=True))
-            chosen = entry_set(domain, targets, lambda h, memory=memory: memory.get(h.index))  # type: ignore[misc]
-            found.append(chosen.states)
-        return found
+        def nothing(history: Node) -> None:
+            asked[history] = None
+
+        entry_set(domain, targets, nothing)
+        for picked in product(*map(_remembered, asked)):
+            yield dict(zip(asked, picked, strict=True)).get
 
     def choices(self, nodes: Sequence[Node], word: str) -> list[Edge | None]:
         """The transitions that may take an event; None at the end where all may refuse it."""
@@ -227,14 +232,14 @@ def up_to_unguarded(edges: Sequence[Edge]) -> list[Edge | None]:
     return [*found, None]
 
 
-def _remembered(history: Node) -> list[tuple[Node, ...]]:
-    """The sets of states that a history state may remember."""
+def _remembered(history: Node) -> list[tuple[Node, ...] | None]:
+    """The sets of states that a history state may remember; None as long as it remembers none."""
     assert history.parent is not None
     among = inside(history.parent) if history.deep else iter(history.parent.children)
     options = [n for n in among if n.type != "history" and not (history.deep and n.children)]
     if history.parent.type == "parallel":
-        return [tuple(options)]
-    return [(node,) for node in options]
+        return [None, tuple(options)]
+    return [None, *((node,) for node in options)]
 
 
 def inside(node: Node | None) -> Iterator[Node]:

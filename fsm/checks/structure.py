@@ -105,7 +105,7 @@ def endless_always(graph: Graph) -> Iterator[Fault]:
                     edge.where,
                     "give one of them a guard",
                 )
-            if node.index in seen:
+            if node is start or node.index in seen:
                 break
             seen.add(node.index)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
+from fsm.chart.executable import CONTENT, EXTERNAL, Origin
 from fsm.chart.graph import Node
 from fsm.engine.waiting import EPSILON
 
@@ -22,6 +24,22 @@ class Event:
     owner: Node | None = None
     entry: int = 0
     """Which entry of its owner it belongs to: it is dropped once that one was left."""
+    origin: Origin = EXTERNAL
+
+    def as_variable(self) -> dict[str, Any]:
+        """The value of SCXML's ``_event``; what is blank is None (W3C recommendation, 5.10.1)."""
+        origin = self.origin
+        # A copy: what a document does with its variable must not change the event.
+        data = deepcopy(self.fields)
+        return {
+            "name": self.name,
+            "type": origin.type,
+            "sendid": origin.sendid,
+            "origin": origin.address,
+            "origintype": origin.processor,
+            "invokeid": None,
+            "data": data.get(CONTENT, data or None),
+        }
 
 
 NOTHING = Event("", {})

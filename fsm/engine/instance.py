@@ -101,7 +101,7 @@ class Instance(Interpreter):
             if sent.to:
                 self.deliver(sent.event.name, sent.event.fields, sent.to)
             else:
-                self.post(sent.event.name, sent.event.fields)
+                self._queue(sent.event)
 
     def _process_events(self) -> None:
         """Run a macrostep per queued event; events posted meanwhile wait for the next period."""
@@ -116,9 +116,17 @@ class Instance(Interpreter):
 
     def post(self, name: str, fields: Mapping[str, Any] | None = None) -> None:
         """Queue an event for the next period."""
-        event = Event(name, dict(fields or {}))
-        urgent = self.graph.vocabulary.is_urgent(name)
+        self._queue(Event(name, dict(fields or {})))
+
+    def _queue(self, event: Event) -> None:
+        urgent = self.graph.vocabulary.is_urgent(event.name)
         (self.state.urgent if urgent else self.state.external).append(event)
+
+    def waiting(self, name: str) -> list[Event]:
+        """The events of this name that are queued and that nobody has heard yet."""
+        state = self.state
+        queued = (*state.urgent, *state.external, *state.internal)
+        return [event for event in queued if event.name == name]
 
     def next_due(self) -> float | None:
         """The earliest time at which a period would hear an event; None while none waits."""
@@ -135,7 +143,7 @@ class Instance(Interpreter):
         while internal:
             event = internal.popleft()
             if event.owner is None:
-                self.post(event.name, event.fields)
+                self._queue(event)
             else:
                 self.state.external.append(event)
 
@@ -197,6 +205,7 @@ class Instance(Interpreter):
             edges = select(
                 state.configuration.leaves,
                 lambda node: offers[node.index][0] if node.index in offers else None,
+                self.recorded,
                 self.graph.outer_first,
             )
             for edge in edges:

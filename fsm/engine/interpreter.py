@@ -8,6 +8,10 @@ the transitions' own actions run, states are entered with their data, entry acti
 and timers. Then come ``always`` transitions and raised events until nothing moves, which makes a
 *macrostep*.
 
+The configuration changes state by state (W3C section 3.13): a state is active while its exit
+actions run and no longer after them, and becomes active just before its entry actions. So
+``active(…)`` in an action, and callbacks that ask, see what has happened so far in the step.
+
 When events, conditions and timers have their turn is decided in :mod:`fsm.engine.instance`.
 """
 
@@ -15,13 +19,22 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Self
 
 from transitions.core import EventData
 
-from fsm.chart.configuration import Entry, Step
-from fsm.chart.entry_sets import default_entry, entry_set
-from fsm.chart.executable import Action, Record
+from fsm.chart.configuration import Entry, Step, entry_after
+from fsm.chart.entry_sets import default_entry, entry_set, transition_domain
+from fsm.chart.executable import (
+    EXTERNAL,
+    INTERNAL,
+    PLATFORM,
+    Action,
+    NotSentError,
+    Origin,
+    Record,
+)
 from fsm.chart.graph import After, Edge, Graph, Node
 from fsm.chart.selection import chain, select
 from fsm.engine.events import NOTHING, Delayed, Event
@@ -36,6 +49,8 @@ from fsm.values.functions import FAILURES, plain
 from vencejo.errors import Where
 
 MAX_MICROSTEPS = 1000
+MISSING = object()
+"""The value of an output that could not be evaluated."""
 
 
 class Interpreter:
@@ -59,6 +74,7 @@ class Interpreter:
         """The records made since the caller last replaced this list by an empty one."""
         self._configurations = self._shared.configurations
         self._has_history = self._shared.has_history
+        self._narrows = self._shared.narrows
         self._callback_data: EventData | None = None
         """The argument of the entry and exit callbacks of the present microstep."""
         values: list[Any] = [None] * graph.slots
@@ -84,7 +100,7 @@ class Interpreter:
     @property
     def active(self) -> Sequence[Node]:
         """All active states in document order."""
-        return self.state.configuration.states
+        return self._configurations[self.slots[CONFIGURATION_SLOT]].states
 
     @property
     def ended(self) -> bool:
@@ -112,14 +128,14 @@ class Interpreter:
 
     def paths(self) -> list[str]:
         """The active leaf states, in document order."""
-        return [leaf.path for leaf in self.state.configuration.leaves]
+        return [node.path for node in self.active if not node.children]
 
     def is_active(self, path: str) -> bool:
         """Whether a state is active. Raises KeyError for a path that does not exist."""
         return self._is_active(self.graph.by_path[path])
 
     def _is_active(self, node: Node) -> bool:
-        return bool(self.state.configuration.mask >> node.index & 1)
+        return bool(self.slots[CONFIGURATION_SLOT] & node.mask)
 
     # -- events -----------------------------------------------------------------------------
 
@@ -138,12 +154,18 @@ class Interpreter:
         trial._show(heard)
         return not self.ended and bool(trial._select(heard))
 
-    def raise_event(self, name: str, fields: Mapping[str, Any]) -> None:
+    def raise_event(self, name: str, fields: Mapping[str, Any], origin: Origin = INTERNAL) -> None:
         """Queue an event for this macrostep."""
-        self.state.internal.append(Event(name, dict(fields)))
+        self.state.internal.append(Event(name, dict(fields), origin=origin))
 
     def send(
-        self, name: str, fields: Mapping[str, Any], delay: float, id_: str, to: str = ""
+        self,
+        name: str,
+        fields: Mapping[str, Any],
+        delay: float,
+        id_: str,
+        to: str = "",
+        origin: Origin = EXTERNAL,
     ) -> None:
         """Queue an event for a later period, or give it to the host for another vehicle.
 
@@ -153,7 +175,8 @@ class Interpreter:
             # At once: this may be the last thing that the mission does.
             self.deliver(name, fields, to)
             return
-        self.state.delayed.put(Delayed(self.now + delay, id_, Event(name, dict(fields)), to))
+        event = Event(name, dict(fields), origin=origin)
+        self.state.delayed.put(Delayed(self.now + delay, id_, event, to))
 
     def deliver(self, name: str, fields: Mapping[str, Any], to: str) -> None:
         """Give an event to the host for another vehicle."""
@@ -176,12 +199,11 @@ class Interpreter:
         if state.configuration.states or state.outcome is not None:
             return
         root = self.graph.root
-        found = entry_set(root, default_entry(root), self._recorded)
-        states = (root, *found.states)
-        mask = state.configuration.mask_after((), states)
-        entry = Entry(states, mask, tuple(found.histories), found.defaults)
-        state.settle(self._configurations[mask])
-        for node in states:
+        found = entry_set(root, default_entry(root), self.recorded)
+        entry = entry_after(0, (root, *found.states), found.histories, found.defaults)
+        state.configuration = self._configurations[entry.mask]
+        for node, mask in entry.states:
+            self.slots[CONFIGURATION_SLOT] = mask
             self._enter(node, NOTHING, entry)
         self.stabilise()
 
@@ -192,7 +214,14 @@ class Interpreter:
         self._callback_data = None
         for node in reversed(state.configuration.states):
             self._exit(node, NOTHING)
-        state.settle(self._configurations[0])
+            self.slots[CONFIGURATION_SLOT] ^= node.mask
+        state.configuration = self._configurations[0]
+
+    def abandon(self, outcome: str) -> None:
+        """End the run where it is, also in the midst of a step: nothing else happens any more."""
+        self.state.outcome = outcome
+        self.state.configuration = self._configurations[0]
+        self.slots[CONFIGURATION_SLOT] = 0
 
     def macrostep(self, event: Event) -> bool:
         """Process one event until the graph is stable; whether it took a transition."""
@@ -234,7 +263,7 @@ class Interpreter:
     def _show(self, event: Event) -> None:
         """Keep an event in the variable ``_event``, where SCXML has it until the next one comes."""
         if self.graph.event_slot >= 0:
-            self.slots[self.graph.event_slot] = {"name": event.name, "data": event.fields}
+            self.slots[self.graph.event_slot] = event.as_variable()
 
     def _is_for_host(self, name: str) -> bool:
         """Whether the host must react when no active state handles this event."""
@@ -252,7 +281,8 @@ class Interpreter:
             return
         self.state.internal.clear()
         message = f"more than {MAX_MICROSTEPS} steps without coming to rest"
-        event = Event("error.livelock", {"message": message, "where": ", ".join(self.paths())})
+        fields = {"message": message, "where": ", ".join(self.paths())}
+        event = Event("error.livelock", fields, origin=PLATFORM)
         self.record("error", **event.fields)
         if self._offer(event) and not self._becomes_stable():
             self.state.internal.clear()
@@ -294,7 +324,7 @@ class Interpreter:
             return self.first_passing(edges.get(node.index, ()), event)
 
         if owner is None:
-            return tuple(select(configuration.leaves, choose, outer_first))
+            return tuple(select(configuration.leaves, choose, self.recorded, outer_first))
         # An outcome goes from its state outwards, never to another region; `done` stays.
         asked = (owner,) if name == "done" else chain(owner, outer_first)
         if name not in ("done", "failed"):
@@ -311,6 +341,7 @@ class Interpreter:
         edges = select(
             configuration.leaves,
             lambda node: self.first_passing(node.always, NOTHING) if node.always else None,
+            self.recorded,
             self.graph.outer_first,
         )
         return tuple(edges)
@@ -342,26 +373,27 @@ class Interpreter:
 
     def microstep(self, edges: tuple[Edge, ...], event: Event) -> None:
         """Take transitions that do not conflict; ``event`` is what caused it."""
-        state = self.state
-        step = state.configuration.step(edges)
+        state, slots = self.state, self.slots
+        step = state.configuration.step(edges, self._narrowed(edges) if self._narrows else ())
         self._callback_data = None
         memories = self._remember(step) if self._has_history else ()
         entry = step.entry or self._open_entry(step)
         for edge in edges:
             if edge.before:
                 self.graph.callbacks(edge.before, self._event_data(edge, event))
-        for node in step.leaving:
+        for node, mask in step.leaving:
             self._exit(node, event)
+            slots[CONFIGURATION_SLOT] = mask
         for edge, record in step.taken:
             self.records.append(record)
             if edge.actions:
                 self.run_actions(edge.actions, event.fields)
         # Last, since exit actions and the transition's own may still have changed them.
         for memory in memories:
-            memory.keep_data(self.slots)
+            memory.keep_data(slots)
         state.configuration = self._configurations[entry.mask]
-        self.slots[CONFIGURATION_SLOT] = entry.mask
-        for node in entry.states:
+        for node, mask in entry.states:
+            slots[CONFIGURATION_SLOT] = mask
             self._enter(node, event, entry)
         for edge in edges:
             if edge.after:
@@ -372,16 +404,14 @@ class Interpreter:
         entering = {node.index: node for node in step.entering}
         histories: list[Node] = []
         defaults: dict[int, list[Node]] = {}
-        for edge in step.open:
-            assert edge.domain is not None, "what leaves nothing enters nothing"
-            found = entry_set(edge.domain, edge.targets, self._recorded)
+        for edge, domain in step.open:
+            found = entry_set(domain, edge.targets, self.recorded)
             entering.update(found.entering)
             histories += found.histories
             for index, nodes in found.defaults.items():
                 defaults.setdefault(index, []).extend(nodes)
-        states = tuple(entering[index] for index in sorted(entering))
-        mask = self.state.configuration.mask_after(step.leaving, states)
-        return Entry(states, mask, tuple(histories), defaults)
+        states = [entering[index] for index in sorted(entering)]
+        return entry_after(step.mask, states, histories, defaults)
 
     def _enter(self, node: Node, event: Event, entry: Entry) -> None:
         state, slots = self.state, self.slots
@@ -449,9 +479,13 @@ class Interpreter:
 
     def _reach(self, final: Node, event: Event) -> None:
         """Queue the outcome of an entered final state for its parent, or end the mission."""
-        output = {
-            name: self.evaluate(value, event.fields, None) for name, value in final.output.items()
+        # In SCXML what has no value is left out, here it is none.
+        otherwise = MISSING if self.graph.scxml else None
+        found = {
+            name: self.evaluate(value, event.fields, otherwise)
+            for name, value in final.output.items()
         }
+        output = {name: value for name, value in found.items() if value is not MISSING}
         assert final.parent is not None
         parent = final.parent.owner
         state = self.state
@@ -462,30 +496,34 @@ class Interpreter:
         self.finish_region(parent, state.internal)
 
     def _exit(self, node: Node, event: Event) -> None:
-        state, index = self.state, node.index
         if node.exit_actions:
             self.run_actions(node.exit_actions, event.fields)
         if node.on_exit:
             self._call(node.on_exit, event)
         if node.invocation is not None:
-            running = state.running.pop(index, None)
-            if running is not None and running.activity is not None:
-                if not running.ended:
-                    self.records.append(("stop", {"state": node.path}))
-                running.activity.stop()
-            state.resumed.pop(index, None)
-            state.finished.discard(index)
+            self._stop(node)
         if node.waits:
-            state.conditions.pop(index, None)
-            state.timers.pop(index, None)
+            self.state.conditions.pop(node.index, None)
+            self.state.timers.pop(node.index, None)
         self.records.append(node.leaving)
+
+    def _stop(self, node: Node) -> None:
+        """Stop the behaviour of a state that is left, unless it has not begun."""
+        state, index = self.state, node.index
+        running = state.running.pop(index, None)
+        if running is not None and running.activity is not None:
+            if not running.ended:
+                self.records.append(("stop", {"state": node.path}))
+            running.activity.stop()
+        state.resumed.pop(index, None)
+        state.finished.discard(index)
 
     # -- outcomes ---------------------------------------------------------------------------
 
     def outcome_of(self, owner: Node, word: str, fields: Mapping[str, Any]) -> Event:
         """The outcome of an active state, as an event; in SCXML it is ``done.state.ID``."""
         if self.graph.scxml:
-            return Event(f"done.state.{owner.path}", dict(fields))
+            return Event(f"done.state.{owner.path}", dict(fields), origin=PLATFORM)
         return Event(word, dict(fields), owner, self.state.entries[owner.index])
 
     def finish_region(self, region: Node, queue: deque[Event]) -> None:
@@ -510,7 +548,8 @@ class Interpreter:
     def _remember(self, step: Step) -> Iterable[Memory]:
         """The memories that a step makes; their data are kept when its actions have run."""
         state = self.state
-        memories = remember(reversed(step.leaving), state.configuration.states, self._progress)
+        leaving = [node for node, _ in reversed(step.leaving)]
+        memories = remember(leaving, state.configuration.states, self._progress)
         state.memories.update(memories)
         return memories.values()
 
@@ -521,7 +560,12 @@ class Interpreter:
             return self.state.resumed.get(node.index)
         return running.activity.progress() if running.activity and not running.ended else None
 
-    def _recorded(self, history: Node) -> tuple[Node, ...] | None:
+    def _narrowed(self, edges: Iterable[Edge]) -> tuple[Node | None, ...]:
+        """The present domains of those transitions where history decides on them."""
+        return tuple([transition_domain(edge, self.recorded) for edge in edges if edge.by_history])
+
+    def recorded(self, history: Node) -> tuple[Node, ...] | None:
+        """The states that a history state stands for; None when its parent was never left."""
         memory = self.state.memories.get(history.index)
         return None if memory is None else memory.states
 
@@ -540,7 +584,7 @@ class Interpreter:
         try:
             value = compiled.function(self.slots, fields)
         except FAILURES as error:
-            self._failed(compiled.where, compiled.source, f"{compiled.source}: {plain(error)}")
+            self._failed(compiled.where, compiled.source, error)
             return otherwise
         broken = self.state.broken
         if broken:
@@ -553,22 +597,23 @@ class Interpreter:
             try:
                 action.run(self, fields)
             except FAILURES as error:
-                self._failed(
-                    action.where, action.kind, f"{action.kind}: {plain(error)}", action=True
-                )
+                self._failed(action.where, action.kind, error)
                 return
             if self.state.broken:
                 self.state.broken.discard((action.where, action.kind))
 
-    def _failed(self, where: Where, what: str, message: str, action: bool = False) -> None:
+    def _failed(self, where: Where, what: str, error: Exception) -> None:
         """Raise ``error.execution``, once until this works again; in SCXML whenever it fails."""
-        broken = self.state.broken
-        if (where, what) in broken and not (action and self.graph.scxml):
-            return
-        broken.add((where, what))
-        fields = {"message": message, "where": str(where)}
+        if not self.graph.scxml:
+            if (where, what) in self.state.broken:
+                return
+            self.state.broken.add((where, what))
+        fields = {"message": f"{what}: {plain(error)}", "where": str(where)}
         self.record("error", **fields)
-        self.state.internal.append(Event("error.execution", fields))
+        name, origin = "error.execution", PLATFORM
+        if isinstance(error, NotSentError):
+            name, origin = error.event, replace(PLATFORM, sendid=error.sendid)
+        self.state.internal.append(Event(name, fields, origin=origin))
 
     # -- callbacks --------------------------------------------------------------------------
 

@@ -12,11 +12,12 @@ import json
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any
 
 from fsm.chart.configuration import mask_of
+from fsm.chart.executable import EXTERNAL, Origin
 from fsm.chart.graph import Graph, Node
 from fsm.engine.events import Delayed, DelayedEvents, Event
 from fsm.engine.history import Memory
@@ -189,12 +190,14 @@ def _read_memories(graph: Graph, saved: Mapping[str, Any]) -> dict[int, Memory]:
 
 def _write_event(event: Event) -> list[Any]:
     owner = None if event.owner is None else event.owner.path
-    return [event.name, pack(event.fields), owner, event.entry]
+    return [event.name, pack(event.fields), owner, event.entry, list(astuple(event.origin))]
 
 
 def _read_event(graph: Graph, saved: list[Any]) -> Event:
-    name, fields, owner, entry = saved
-    return Event(name, unpack(fields), None if owner is None else graph.by_path[owner], entry)
+    name, fields, owner, entry, *origin = saved
+    node = None if owner is None else graph.by_path[owner]
+    # Saves of the first form 2 know nothing of origins.
+    return Event(name, unpack(fields), node, entry, Origin(*origin[0]) if origin else EXTERNAL)
 
 
 _PLAIN = Form(lambda graph, value: pack(value), lambda graph, saved: unpack(saved))

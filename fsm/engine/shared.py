@@ -24,6 +24,8 @@ class Shared:
         self.graph = graph
         self.configurations = Configurations(graph)
         self.has_history = any(node.type == "history" for node in graph.nodes)
+        self.narrows = any(edge.by_history for node in graph.nodes for edge in node.edges())
+        """Whether history may narrow the domain of some transition."""
         self._models: dict[type, type] = {}
         self._digest: str | None = None
 

@@ -37,7 +37,8 @@ class State:
     values: list[Any]
     """The value of each slot: time, configuration, host names, parameters, data, times of entry."""
     configuration: Configuration
-    """The active states. Its mask stands among the values too, for ``active('a.b')``."""
+    """The active states; while a microstep enters states, those that it leads to. Its mask stands
+    among the values too, for ``active('a.b')``, and changes there state by state."""
     entries: dict[int, int] = field(default_factory=dict)
     """The number of each state's latest entry, so that an outcome of an earlier one is dropped."""
     entry_count: int = 0
@@ -75,11 +76,6 @@ class State:
 
     def __post_init__(self) -> None:
         self.values[CONFIGURATION_SLOT] = self.configuration.mask
-
-    def settle(self, configuration: Configuration) -> None:
-        """Make this the configuration."""
-        self.configuration = configuration
-        self.values[CONFIGURATION_SLOT] = configuration.mask
 
     def copy(self) -> State:
         """A copy that changes apart from this one. Activities belong to the host and are shared."""

@@ -1,6 +1,6 @@
 """SCXML: documents of other programs are loaded, missions are exported and imported again."""
 
-from fsm.scxml.document import Element, parse_document, read_document
+from fsm.scxml.document import Element, parse_document, read_document, sources
 from fsm.scxml.importer import import_mission, is_mission
 from fsm.scxml.loader import load_document
 from fsm.scxml.stepping import advance
@@ -14,5 +14,6 @@ __all__ = [
     "load_document",
     "parse_document",
     "read_document",
+    "sources",
     "write_scxml",
 ]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
+from fsm.faults import Faults
 from vencejo.errors import UserError, Where
 from vencejo.nodes import MAX_BYTES, MAX_NODES
 
@@ -32,6 +33,8 @@ class Element:
     text: str = ""
     """Its text without the white space around it."""
     text_where: Where | None = None
+    file: Path | None = None
+    """The file that its text comes from, by its `src`; None for the document itself."""
 
     def get(self, name: str) -> str | None:
         return self.attributes.get(name)
@@ -60,7 +63,50 @@ def read_document(path: Path, shown_as: str | None = None) -> Element:
     except OSError as error:
         reason = error.strerror or str(error)
         raise UserError("unreadable", f"cannot read '{name}': {reason}", Where(name)) from None
-    return parse_document(data, name)
+    root = parse_document(data, name)
+    faults = Faults()
+    for element in root.walk():
+        if element.tag in ("data", "script") and element.get("src") is not None:
+            with faults.collecting():
+                _include(element, path.parent)
+    faults.raise_any()
+    return root
+
+
+def sources(root: Element) -> list[Path]:
+    """The files that the values and scripts of a document come from, each once."""
+    files = (element.file for element in root.walk() if element.file is not None)
+    return list(dict.fromkeys(files))
+
+
+def _include(element: Element, folder: Path) -> None:
+    """Read the text of an element from the file that its `src` names. Raises UserError."""
+    source, where = element.attributes["src"], element.place("src")
+    if element.text or element.children or element.get("expr") is not None:
+        what = f"<{element.tag}> has a value beside its `src`"
+        raise UserError("conflicting-values", what, where, "remove one")
+    name = source.removeprefix("file:")
+    path = folder / name
+    if _SCHEME.match(name) or not path.resolve().is_relative_to(folder.resolve()):
+        raise UserError(
+            "not-supported",
+            f"'{source}' is no file beside the document",
+            where,
+            "name a file in the document's own folder, or inside it",
+        )
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError("unreadable", f"cannot read '{source}': {reason}", where) from None
+    if len(data) > MAX_BYTES:
+        raise UserError("too-large", f"'{source}' is larger than 1 MiB", where)
+    try:
+        element.text = data.decode("utf-8-sig").strip()
+    except UnicodeDecodeError:
+        raise UserError("not-text", f"'{source}' is no UTF-8 text", where) from None
+    element.file, element.text_where = path, Where(name, 1, 1)
 
 
 def parse_document(data: bytes | str, file: str) -> Element:
@@ -158,6 +204,8 @@ class _Parser:
         self.texts[-1].append(text)
 
 
+_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:|/")
+"""The beginning of an address, or of a path from the root of the file system."""
 _TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
 _ATTRIBUTE = re.compile(rb"\s(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<open>[\"']).*?(?P=open)", re.DOTALL)
 """With its value, in which what looks like another attribute is none."""

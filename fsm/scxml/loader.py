@@ -3,20 +3,24 @@
 The W3C's rules hold here, not those of the YAML language: transitions leave their state unless
 ``type="internal"``, an event is caught by any prefix of its tokens, data are those of the whole
 document, and a finished state raises ``done.state.ID``. A state's path in the graph is its id.
-Not supported, and reported: ``invoke``, late binding, data and scripts in other files.
+What is not supported is reported: ``invoke`` and XML data. What a document gets wrong in an
+expression is a warning, and raises ``error.execution`` when it is evaluated.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from fsm.chart.draft import MAX_STATE_DEPTH, Draft, StateDraft, TransitionDraft, compatible
-from fsm.chart.executable import Data
+from fsm.chart.executable import Action, Data, EventFields, Runtime
 from fsm.chart.graph import Graph, build_nodes
 from fsm.checks.structure import dead_alternatives, endless_always, endless_states, unreachable
 from fsm.expressions.compiled import Compiled, constant
@@ -25,22 +29,22 @@ from fsm.faults import Faults
 from fsm.host import Vocabulary
 from fsm.language.spec import StateType
 from fsm.scxml.content import Content, needed
+from fsm.scxml.datamodel import Names
 from fsm.scxml.document import Element
-from fsm.scxml.ecmascript import Names, assigned_names, compile_value
+from fsm.scxml.ecmascript import ECMASCRIPT
+from fsm.scxml.grammar import STATES, belongs, grammar_faults
+from fsm.scxml.null import NO_DATA
+from fsm.scxml.python import PYTHON
+from fsm.scxml.sending import IO_PROCESSORS, SESSION
 from fsm.values.types import ANY
 from vencejo.errors import Fault, UserError, Where, nearest
 
-VOCABULARY = Vocabulary(reactions={"error.execution": "none", "error.livelock": "none"})
+_ERRORS = ("error.execution", "error.communication", "error.livelock")
+VOCABULARY = Vocabulary(reactions=dict.fromkeys(_ERRORS, "none"))
 """A host without names, which reacts to no event of a document."""
 
-_STATES = ("state", "parallel", "final", "history")
-_KNOWN = {
-    "scxml": {"state", "parallel", "final", "datamodel", "script", "transition"},
-    "state": {"onentry", "onexit", "transition", "initial", "datamodel", *_STATES},
-    "parallel": {"onentry", "onexit", "transition", "datamodel", "state", "parallel", "history"},
-    "final": {"onentry", "onexit", "donedata"},
-    "history": {"transition"},
-}
+_MODELS = {"ecmascript": ECMASCRIPT, "python": PYTHON, "null": NO_DATA}
+_NAME = re.compile(r"(?:[^\W\d]|\$)[\w$]*")
 
 
 def descriptors_match(descriptors: str, event: str, _: Vocabulary = VOCABULARY) -> bool:
@@ -63,11 +67,14 @@ def load_document(root: Element, name: str, vocabulary: Vocabulary = VOCABULARY)
     if root.tag != "scxml":
         hint = 'it begins with <scxml xmlns="http://www.w3.org/2005/07/scxml">'
         raise UserError("not-scxml", f"<{root.tag}> is no SCXML document", root.where, hint)
-    faults = Faults()
-    graph = _Loader(root, name, vocabulary, faults).graph()
-    if faults:
+    faults = Faults(grammar_faults(root))
+    if root.get("datamodel") not in (None, *_MODELS):
+        # Its expressions cannot be judged.
         raise UserError.of(_in_order(faults))
-    return replace(graph, warnings=tuple(_in_order(_odd(graph))))
+    graph = _Loader(root, name, vocabulary, faults).graph()
+    if faults.errors:
+        raise UserError.of(_in_order(faults))
+    return replace(graph, warnings=tuple(_in_order((*faults, *_odd(graph)))))
 
 
 def _odd(graph: Graph) -> Iterator[Fault]:
@@ -99,12 +106,14 @@ class _Loader:
         self.faults = faults
         self.vocabulary = vocabulary
         self.first_slot = FIRST_HOST_SLOT + len(vocabulary.names)
+        self.system = {"_sessionid": SESSION, "_name": self.name, "_ioprocessors": IO_PROCESSORS}
+        """The system variables but ``_event``, with their values."""
         self.states = Draft()
         self.elements: list[Element] = []
         """The element of each state, by its index."""
         self.by_id: dict[str, StateDraft] = {}
-        if root.get("binding") == "late":
-            faults.fail("not-supported", "late binding is not supported", root.place("binding"))
+        self.model = _MODELS[root.get("datamodel") or "ecmascript"]
+        self.late = root.get("binding") == "late"
         self.grow(root, None)
 
     def grow(self, element: Element, parent: StateDraft | None) -> None:
@@ -123,30 +132,28 @@ class _Loader:
             self.faults.fail("duplicate-id", message, element.place("id"))
         self.by_id[id_] = state
         self.elements.append(element)
-        known = _KNOWN[element.tag]
-        for child in element.children:
-            if child.tag not in known and not child.tag.startswith(("{", "v:")):
-                what = f"<{child.tag}> in <{element.tag}> is not supported"
-                self.faults.fail("not-supported", what, child.where, nearest(child.tag, known))
-        for child in element.all(*_STATES):
-            if child.tag in known:
+        for child in element.all(*STATES):
+            if belongs(child, element):
                 self.grow(child, state)
 
     def graph(self) -> Graph:
         event_slot = self.first_slot + len(self.states)
         counter = event_slot + 1
-        variables = dict.fromkeys(["_sessionid", "_name", *self.declared()])
+        variables = dict.fromkeys([*self.system, *self.declared()])
         slots = {name: counter + 1 + place for place, name in enumerate(variables)}
+        first_flag = counter + 1 + len(variables)
         states = {state.path: state.index for state in self.states[1:]}
-        names = Names(slots, states, event_slot)
-        self.content = Content(names, self.faults, counter)
+        names = Names({"_event": event_slot, **slots}, states, self.faults)
+        self.content = Content(self.model, names, self.faults, counter)
         if len(self.states) == 1:
             self.faults.fail("no-states", "there is no state in here", self.root.where)
         else:
             self.link()
-            self.states[0].data = tuple(self.data(names))
+            self.states[0].data = tuple(self.data())
             for state, element in zip(self.states, self.elements, strict=True):
                 self.fill(state, element)
+                if self.late and state.parent is not None:
+                    state.entry = (*self.bound(state, element, first_flag), *state.entry)
         nothing: Mapping[str, Any] = MappingProxyType({})
         return Graph(
             name=self.name,
@@ -155,7 +162,7 @@ class _Loader:
             parameters=nothing,
             parameter_slots=nothing,
             vocabulary=self.vocabulary,
-            slots=counter + 1 + len(variables),
+            slots=first_flag + self.late * len(self.states),
             events=nothing,
             world=None,
             outer_first=False,
@@ -175,32 +182,64 @@ class _Loader:
             elif element.tag == "foreach":
                 names = [element.get("item"), element.get("index")]
             elif element.tag == "script":
-                names = assigned_names(element.text)
-            yield from (word for word in names if word and not word.startswith("_"))
+                names = self.model.assigned_names(element.text)
+            yield from (word for word in names if word and _NAME.fullmatch(word) and word[0] != "_")
 
-    def data(self, names: Names) -> Iterator[Data]:
-        """All variables, which belong to the document as a whole, with their first values."""
-        where = self.root.where
-        own = {"_sessionid": "1", "_name": self.name}
-        for name, value in own.items():
-            yield Data(name, names.variables[name], ANY, constant(value, ANY, where))
+    def data(self) -> Iterator[Data]:
+        """The variables that have their first values from the start, and belong to the document."""
+        names, where = self.content.names, self.root.where
+        for name, value in self.system.items():
+            # A copy: a document may change what it has assigned from here.
+            copied = Compiled(ANY, partial(_copy, value), name, where)
+            yield Data(name, names.variables[name], ANY, copied)
         counter = self.content.counter
         yield Data("_sent", counter, ANY, constant(0, ANY, where))
-        for element in self.root.walk():
-            if element.tag != "data":
-                continue
-            with self.faults.collecting():
-                name = needed(element, "id")
-                if element.get("src") is not None:
-                    what = "data from other files are not supported"
-                    raise UserError("not-supported", what, element.place("src"))
-                text, where = element.get("expr"), element.place("expr")
-                if text is None and element.text_where is not None:
-                    text, where = element.text, element.text_where
-                first = constant(None, ANY, element.where)
-                if text is not None:
-                    first = Compiled(ANY, compile_value(text, where, names), text, where)
-                yield Data(name, names.variables[name], ANY, first)
+        first: dict[str, Where] = {}
+        for state, element in zip(self.states, self.elements, strict=True):
+            for each in _data_of(element):
+                with self.faults.collecting():
+                    name = self.named(each, first)
+                    if not self.late or state.parent is None:
+                        yield Data(name, names.variables[name], ANY, self.first_value(each))
+
+    def named(self, element: Element, known: dict[str, Where]) -> str:
+        """The name of a `<data>`, which becomes known. Raises UserError."""
+        name, where = needed(element, "id"), element.place("id")
+        if not _NAME.fullmatch(name) or name.startswith("_"):
+            hint = "begin with a letter; '_' begins the system's own names"
+            raise UserError("bad-name", f"'{name}' is no name of a variable", where, hint)
+        if name in known:
+            message = f"the id '{name}' stands twice, first at {known[name]}"
+            raise UserError("duplicate-id", message, where)
+        known[name] = where
+        return name
+
+    def first_value(self, element: Element) -> Compiled:
+        """The value that a `<data>` gives. Raises UserError."""
+        value = self.content.given(element)
+        if value is None:
+            return constant(None, ANY, element.where)
+        text = element.get("expr") or element.text
+        return Compiled(ANY, value, text, element.place("expr"))
+
+    def bound(self, state: StateDraft, element: Element, first_flag: int) -> Iterator[Action]:
+        """With late binding: gives a state's variables their values when it is first entered."""
+        values: list[tuple[int, Compiled]] = []
+        for each in _data_of(element):
+            slot = self.content.names.variables.get(each.get("id") or "")
+            if slot is not None:
+                with self.faults.collecting():
+                    values.append((slot, self.first_value(each)))
+        flag = first_flag + state.index
+
+        def run(instance: Runtime, event: EventFields) -> None:
+            if instance.slots[flag] is None:
+                instance.slots[flag] = True
+                for slot, value in values:
+                    instance.slots[slot] = instance.evaluate(value, event, None)
+
+        if values:
+            yield Action("data", element.where, run)
 
     # -- targets ----------------------------------------------------------------------------
 
@@ -327,3 +366,13 @@ def _kind(element: Element, usual: str, other: str) -> str:
 
 def _transition_of(element: Element | None) -> Element | None:
     return next(element.all("transition"), None) if element else None
+
+
+def _copy(value: Any, *_: object) -> Any:
+    return deepcopy(value)
+
+
+def _data_of(element: Element) -> Iterator[Element]:
+    """The variables that stand in a state."""
+    for model in element.all("datamodel"):
+        yield from model.all("data")

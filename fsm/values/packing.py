@@ -14,6 +14,7 @@ from math import isfinite
 from types import NoneType, SimpleNamespace
 from typing import Any
 
+from fsm.values.null import NULL, Null
 from vencejo.errors import UserError
 from vencejo.geometry import Point
 
@@ -67,6 +68,7 @@ _PACKERS: tuple[tuple[type | tuple[type, ...], Callable[[Any], Any]], ...] = (
     (Mapping, _pack_map),
     ((set, frozenset), lambda value: {f"${type(value).__name__}": _pack_all(value)}),
     (SimpleNamespace, lambda value: {"$namespace": pack(vars(value))}),
+    (Null, lambda value: {"$null": None}),
 )
 """Class of the value → packing; the first match counts."""
 
@@ -110,5 +112,6 @@ _UNPACKERS: Mapping[str, Callable[[Any], Any]] = {
     "$frozenset": lambda inside: frozenset(map(unpack, inside)),
     "$namespace": lambda inside: SimpleNamespace(**unpack(inside)),
     "$record": lambda inside: _record(*inside),
+    "$null": lambda inside: NULL,
 }
 """Key of a packed value → unpacking."""

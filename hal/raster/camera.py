@@ -12,7 +12,7 @@ from hal.scene.transforms import camera_matrix, rotation_matrix
 from hal.vehicle import Intrinsics
 from vencejo.geometry import Pose
 
-NEAR = 0.02
+NEAR = 0.0005
 """Depth of the near plane: what is nearer is not seen, metres."""
 _AHEAD = np.array([0.0, 0.0, 1.0])
 

@@ -18,11 +18,11 @@ from hal.sim.collision_shapes import (
     Piece,
     chunks,
     compound,
-    height_field,
     mesh,
     pieces_of,
     ray_mesh,
 )
+from hal.sim.hills import earth, height_field, slowed_above
 from hal.sim.movers import Mover
 from hal.sim.physics import GRAVITY, STEP, BodyState, Contacts, Triple
 from vencejo.errors import VehicleError
@@ -37,6 +37,10 @@ _GAP = 0.005
 """Bodies this near touch, metres: Bullet reports contacts a little before."""
 _SUPPORTING = 0.5
 """A contact supports when its unit normal rises more than this: on slopes of less than 60°."""
+_STILL, _STILL_TURNING = 1e-3, 5e-3
+"""Speed, m/s, and angular speed, rad/s, below which a body stands still."""
+_STEPS_BETWEEN_LOOKS = 24
+"""A body that stands still at two looks, and was not pushed between them, falls asleep."""
 _ORIGIN = Point(0.0, 0.0, 0.0)
 
 
@@ -98,6 +102,8 @@ class Bullet:
         self._registry = BodyRegistry(p, self._client)
         self._steps = 0
         self._movers: list[Mover] = []
+        self._bodies: list[BulletBody] = []
+        self._terrain: Terrain | None = None
         self._fix(p.createCollisionShape(p.GEOM_PLANE, physicsClientId=self._client))
 
     @property
@@ -108,7 +114,10 @@ class Bullet:
         p, client = self._p, self._client
         if terrain is not None:
             shape, middle = height_field(p, client, terrain)
-            self._fix(shape, at=middle)
+            self._fix(shape, at=middle, mask=_RAY)
+            if any(map(any, terrain.heights)):
+                self._register(earth(p, client, terrain), _FIXED, _FREE, BodyPieces())
+            self._terrain = terrain
         pieces = [piece for each in things if each.motion is None for piece in pieces_of(each)]
         cuboids = [piece for piece in pieces if isinstance(piece.shape, Cuboid)]
         round_ones = [piece for piece in pieces if isinstance(piece.shape, Cylinder | Sphere)]
@@ -174,15 +183,24 @@ class Bullet:
             localInertiaDiagonal=inertia,
             linearDamping=0,  # Bullet's own 0.04 takes 4 % of the speed each second
             angularDamping=0,
+            sleepThreshold=_STILL**2 + _STILL_TURNING**2,
             physicsClientId=self._client,
         )
-        return BulletBody(p, self._client, body, self._registry)
+        added = BulletBody(p, self._client, body, self._registry, min(size))
+        self._bodies.append(added)
+        return added
 
     def step(self) -> None:
         for mover in self._movers:
             mover.drive(self._steps)
+        if self._terrain is not None:
+            for body in self._bodies:
+                body.keep_above(self._terrain)
         self._steps += 1
         self._p.stepSimulation(self._client)
+        if self._steps % _STEPS_BETWEEN_LOOKS == 0:
+            for body in self._bodies:
+                body.settle()
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
         hit = self._cast([start], [end])[0]
@@ -223,7 +241,10 @@ class BulletRayHits:
 class BulletBody:
     """A body of that world (see :class:`hal.sim.physics.Body`)."""
 
-    def __init__(self, p: Any, client: int, body: int, registry: BodyRegistry) -> None:
+    def __init__(
+        self, p: Any, client: int, body: int, registry: BodyRegistry, thickness: float
+    ) -> None:
+        """``thickness``: its least side, metres."""
         # Bound once, since these run at every step.
         self._position = partial(p.getBasePositionAndOrientation, body, client)
         self._velocity = partial(p.getBaseVelocity, body, client)
@@ -233,6 +254,14 @@ class BulletBody:
         self._own_axes = p.LINK_FRAME
         self._client = client
         self._registry = registry
+        self._thickness = thickness
+        self._set_velocity = partial(p.resetBaseVelocity, body, physicsClientId=client)
+        self._activate = partial(p.changeDynamics, body, -1, physicsClientId=client)
+        self._sleep = p.ACTIVATION_STATE_SLEEP | p.ACTIVATION_STATE_ENABLE_SLEEPING
+        self._wake = p.ACTIVATION_STATE_WAKE_UP | p.ACTIVATION_STATE_DISABLE_SLEEPING
+        self._pushed = self._still = False
+        """Since the last look, and at it (see :meth:`settle`)."""
+        self._may_sleep = False
 
     def state(self) -> BodyState:
         position, attitude = self._position()
@@ -241,8 +270,41 @@ class BulletBody:
 
     def push(self, thrust: float, x: float, y: float, z: float) -> None:
         axes, client = self._own_axes, self._client
+        if not self._pushed:
+            self._wake_up()
         self._force((0.0, 0.0, thrust), (0.0, 0.0, 0.0), axes, client)
         self._torque((x, y, z), axes, client)
+
+    def keep_above(self, terrain: Terrain) -> None:
+        """Before a step: let it not come as deep into the terrain as it could in a hard fall.
+
+        There Bullet would not know which way is out.
+        """
+        position, _ = self._position()
+        velocity, turning = self._velocity()
+        slowed = slowed_above(terrain, position, velocity, self._thickness / 4)
+        if slowed is not None:
+            self._set_velocity(slowed, turning)
+
+    def settle(self) -> None:
+        """Take a look at it: where nothing has moved it since the last one it falls asleep.
+
+        Awake, it creeps by up to 0.2 mm/s on a slope. Bullet wakes what is touched by something
+        that is awake, as everything that moves is; :meth:`push` wakes it, too.
+        """
+        (u, v, w), (a, b, c) = self._velocity()
+        slow = u * u + v * v + w * w < _STILL**2 and a * a + b * b + c * c < _STILL_TURNING**2
+        if slow and self._still and not self._pushed:
+            self._may_sleep = True
+            self._activate(activationState=self._sleep)
+        self._still = slow and not self._pushed
+        self._pushed = False
+
+    def _wake_up(self) -> None:
+        self._pushed = True
+        if self._may_sleep:
+            self._may_sleep = False
+            self._activate(activationState=self._wake)
 
     def contacts(self) -> Contacts:
         support: Triple | None = None

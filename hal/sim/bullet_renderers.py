@@ -14,9 +14,10 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from hal.scene.arrays import Float64s, Int32s, Pixels
+from hal.scene.arrays import Float32s, Int32s, Pixels
 from hal.scene.ground_texture import ground_mosaic, ground_texture
 from hal.scene.ground_tiles import GroundTiles
+from hal.scene.oriented_box import OrientedBox
 from hal.scene.scene import Scene
 from hal.scene.surfaces import Surface, sphere_mesh, surface_of, terrain_surface
 from hal.scene.textures import Bitmap, mipmap_of
@@ -31,8 +32,13 @@ from worlds.world import World
 FAR = 1000.0
 """Depth up to which things are seen, metres."""
 _SPHERE_RINGS = 24
-_LARGEST_NEAR = 5.0
-"""Metres: a near plane beyond this gains nothing."""
+_NEAREST = 0.0005
+"""Depth from which on things are seen, metres."""
+_OVERLAP = 0.95
+"""Depth over that from which on a pass is used, where it begins: no pixel falls between two."""
+_NEAR, _LARGEST_NEAR = 0.05, 5.0
+"""Least and largest depth of the near plane of a pass over all that is farther, metres: the farther
+out, the finer are the depths that can be told apart; beyond the largest nothing is gained."""
 _PLAIN_HEIGHT = -0.02
 """Height of the plain ground outside the coloured square, metres."""
 _OUT_OF_SIGHT: Pose = (Point(0.0, 0.0, -1000.0), UPRIGHT)
@@ -44,8 +50,6 @@ class BulletRenderer:
 
     pixel_offset = 0.0
     """Offset of this renderer's samples from the centres of pixels, right and down, pixels."""
-    near = 0.05
-    """Least depth of the near plane, metres."""
 
     def __init__(self, world: World, vehicles: Mapping[str, Thing], shadows: bool = False) -> None:
         """Raises UserError for a texture that cannot be read."""
@@ -61,9 +65,8 @@ class BulletRenderer:
         self.names: dict[int, str] = {}
         """Keys of things in the scene, by the bodies that show them."""
         self._bodies: dict[str, list[tuple[int, Part]]] = {}
-        self._spheres: dict[str, tuple[Float64s, float]] = {}
-        """Bounding spheres of things (centre, radius), in their own frames."""
-        self._poses: dict[str, Pose] = {}
+        self._boxes: dict[str, list[OrientedBox]] = {}
+        """The boxes about the parts of things, placed as they are."""
         try:
             tiles = GroundTiles(world.ground)
             self._add_ground(tiles)
@@ -71,7 +74,6 @@ class BulletRenderer:
                 self._add_terrain(tiles, world.ground.terrain)
             for key, thing in self._scene.things.items():
                 self._bodies[key] = [(self._show(part), part) for part in thing.parts]
-                self._spheres[key] = _bounding_sphere(thing)
                 self.names |= {body: key for body, _ in self._bodies[key]}
                 self._place(key, (thing.at, thing.attitude))
         except BaseException:
@@ -91,15 +93,29 @@ class BulletRenderer:
         self, pose: Pose, intrinsics: Intrinsics, moment: float, vehicles: Mapping[str, Pose]
     ) -> tuple[Pixels, Int32s]:
         """An image, and the body that each pixel shows (−1: the sky)."""
-        p, light = self._p, self._world.light
+        light = self._world.light
         poses = self._scene.poses(moment, vehicles)
         for key in self._scene.moving:
             self._place(key, poses.get(key, _OUT_OF_SIGHT))
-        near = self._near_plane(pose, intrinsics)
-        view, projection = opengl_matrices(pose, intrinsics, self.pixel_offset, near)
-        _, _, colors, _, bodies = p.getCameraImage(
-            intrinsics.width,
-            intrinsics.height,
+        least = self._least_depth(pose, intrinsics)
+        # With the least one, windows would sink into their walls and markers into the ground.
+        near = min(max(_NEAR, least), _LARGEST_NEAR)
+        image, seen, _ = self._pass(pose, intrinsics, _OVERLAP * near)
+        if least < near:
+            # What is nearer is drawn on top.
+            closeup, bodies, depths = self._pass(pose, intrinsics, _NEAREST)
+            on_top = depths < _buffered(near, _NEAREST)
+            image[on_top], seen[on_top] = closeup[on_top], bodies[on_top]
+        image[seen < 0] = light.sky[::-1]
+        return image, seen
+
+    def _pass(self, pose: Pose, lens: Intrinsics, near: float) -> tuple[Pixels, Int32s, Float32s]:
+        """Image, bodies and depth buffer of all that is beyond a near plane."""
+        p, light = self._p, self._world.light
+        view, projection = opengl_matrices(pose, lens, self.pixel_offset, near)
+        _, _, colors, depths, bodies = p.getCameraImage(
+            lens.width,
+            lens.height,
             view,
             projection,
             lightDirection=list(light.sun),
@@ -111,16 +127,24 @@ class BulletRenderer:
             renderer=self._renderer(),
             physicsClientId=self._client,
         )
-        shape = intrinsics.height, intrinsics.width
+        shape = lens.height, lens.width
         image = np.asarray(colors, np.uint8).reshape(*shape, 4)
-        image = np.asarray(cv2.cvtColor(image, cv2.COLOR_RGBA2BGR), np.uint8)
-        seen = np.asarray(bodies, np.int32).reshape(shape)
-        image[seen < 0] = light.sky[::-1]
-        return image, seen
+        return (
+            np.asarray(cv2.cvtColor(image, cv2.COLOR_RGBA2BGR), np.uint8),
+            np.array(bodies, np.int32).reshape(shape),
+            np.asarray(depths, np.float32).reshape(shape),
+        )
 
-    def _near_plane(self, pose: Pose, lens: Intrinsics) -> float:
-        """The depth of the near plane for an image, metres."""
-        return self.near
+    def _least_depth(self, pose: Pose, lens: Intrinsics) -> float:
+        """A depth that nothing in an image falls short of, metres."""
+        eye = np.array(pose[0])
+        terrain = self._world.ground.terrain
+        gaps = [pose[0].z - max(map(max, terrain.heights)) if terrain else abs(pose[0].z)]
+        gaps += [box.distance(eye) for boxes in self._boxes.values() for box in boxes]
+        # In a corner of the image depth is the least share of the distance.
+        across = max(lens.cx + 1, lens.width - lens.cx) / lens.fx
+        down = max(lens.cy + 1, lens.height - lens.cy) / lens.fy
+        return min(gaps) / hypot(1, across, down)
 
     def _renderer(self) -> int:
         return int(self._p.ER_TINY_RENDERER)
@@ -135,7 +159,7 @@ class BulletRenderer:
 
     def _place(self, key: str, pose: Pose) -> None:
         p = self._p
-        self._poses[key] = pose
+        self._boxes[key] = [OrientedBox.about(part, pose) for part in self._scene.things[key].parts]
         for body, part in self._bodies[key]:
             at, attitude = p.multiplyTransforms(*pose, part.at, part.attitude)
             p.resetBasePositionAndOrientation(body, at, attitude, physicsClientId=self._client)
@@ -281,22 +305,6 @@ class EglRenderer(BulletRenderer):
         self._plugin = plugin
         return client
 
-    def _near_plane(self, pose: Pose, lens: Intrinsics) -> float:
-        # As far out as nothing is cut off: the finer are the depths that OpenGL can tell apart.
-        # With the least one, windows sink into their walls and markers into the ground.
-        eye = np.array(pose[0])
-        gaps = [abs(pose[0].z) + _PLAIN_HEIGHT]
-        if self._world.ground.terrain:
-            gaps = [pose[0].z - max(map(max, self._world.ground.terrain.heights))]
-        for key, (center, radius) in self._spheres.items():
-            at, attitude = self._poses[key]
-            center = rotation_matrix(attitude) @ center + at
-            gaps.append(float(np.linalg.norm(center - eye)) - radius)
-        # In a corner of the image depth is the least share of the distance.
-        across = max(lens.cx + 1, lens.width - lens.cx) / lens.fx
-        down = max(lens.cy + 1, lens.height - lens.cy) / lens.fy
-        return min(max(self.near, min(gaps) / hypot(1, across, down)), _LARGEST_NEAR)
-
     def _renderer(self) -> int:
         return int(self._p.ER_BULLET_HARDWARE_OPENGL)
 
@@ -350,20 +358,13 @@ _SQUARE_UVS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
 """Texture coordinates of those corners; v goes down."""
 
 
-def _bounding_sphere(thing: Thing) -> tuple[Float64s, float]:
-    """The centre and radius of a sphere about a thing, in its own frame, metres."""
-    surfaces = [surface_of(part) for part in thing.parts]
-    vertices = np.concatenate([surface.vertices for surface in surfaces] or [np.zeros((1, 3))])
-    center = (vertices.min(0) + vertices.max(0)) / 2
-    radii = [
-        float(np.linalg.norm(surface.vertices - center, axis=1).max()) + surface.sphere_radius
-        for surface in surfaces
-    ]
-    return center, max(radii, default=0.0)
-
-
 def _rgba(color: Color) -> list[float]:
     return [part / 255 for part in color] + [1.0]
+
+
+def _buffered(depth: float, near: float) -> float:
+    """What OpenGL's depth buffer holds for a depth: 0 at the near plane, 1 at FAR."""
+    return FAR * (depth - near) / (depth * (FAR - near))
 
 
 def opengl_matrices(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import bounds_of, part_pose, solid_parts
-from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Shape, Sphere, Terrain, Thing
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Shape, Sphere, Thing
 
 _PER_BODY = 16
 """createCollisionShapeArray silently drops every shape after the sixteenth."""
@@ -129,22 +129,3 @@ def _boxed(piece: Piece) -> Piece:
     middle = Point(*((a + b) / 2 for a, b in zip(low, high, strict=True)))
     at = piece.at.plus(turned(middle, piece.attitude))
     return Piece(piece.name, Cuboid(high.minus(low)), at, piece.attitude)
-
-
-def height_field(p: Any, client: int, terrain: Terrain) -> tuple[int, Point]:
-    """Make a height field: its number in Bullet, and the place of its origin.
-
-    Bullet puts the origin half-way between its lowest and its highest point.
-    """
-    rows, count = terrain.heights, len(terrain.heights)
-    side = terrain.size / (count - 1)
-    number: int = p.createCollisionShape(
-        p.GEOM_HEIGHTFIELD,
-        meshScale=[side, side, 1.0],
-        heightfieldData=[height for row in rows for height in row],
-        numHeightfieldRows=count,
-        numHeightfieldColumns=count,
-        physicsClientId=client,
-    )
-    low, high = min(map(min, rows)), max(map(max, rows))
-    return number, Point(0.0, 0.0, (low + high) / 2)

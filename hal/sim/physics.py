@@ -41,7 +41,11 @@ class RayHits(Protocol):
 
 
 class Body(Protocol):
-    """A rigid body that moves freely."""
+    """A rigid body that moves freely.
+
+    One that stands still and is not pushed stays where it is, to 0.1 mm an hour, until it is pushed
+    or something that moves touches it; what stands on a moving thing goes with it.
+    """
 
     def state(self) -> BodyState:
         """Its pose and velocities after the last step."""
@@ -67,7 +71,10 @@ class Physics(Protocol):
         """The engine and its version."""
 
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
-        """Add solid things; a moving one follows its path and carries bodies that stand on it."""
+        """Add solid things; a moving one follows its path and carries bodies that stand on it.
+
+        Terrain is solid too: however fast a body falls, its centre stays above the ground.
+        """
 
     def add_body(
         self,

@@ -14,16 +14,13 @@ from hal.sim.physics import Physics
 from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.rangefinder import SimRangefinder
 from hal.sim.settings import read_settings
+from hal.sim.starts import start_poses
 from hal.sim.vehicle import STEPS_PER_PERIOD, SimVehicle
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
-from vencejo.errors import UserError, VehicleError
+from vencejo.errors import VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
-from worlds.solids import thing_near
-from worlds.world import Start, World
-
-_ABREAST = 2.0
-"""Distance along x between vehicles for which the world has no start of its own, metres."""
+from worlds.world import World
 
 
 class SimSession:
@@ -32,8 +29,8 @@ class SimSession:
     def __init__(self, options: Options, world: World, physics: Physics) -> None:
         """Raises UserError for wrong settings, names of vehicles, or start poses."""
         settings = read_settings(options.settings)
-        starts = start_poses(world, options.vehicles)
         airframe = Airframe()
+        starts = start_poses(world, options.vehicles, airframe.size)
         physics.add_things(world.things, world.ground.terrain)
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
         alone = len(options.vehicles) == 1
@@ -127,25 +124,3 @@ class SimSession:
         if self._physics is not None:
             self._physics.close()
             self._physics = None
-
-
-def start_poses(world: World, names: tuple[str, ...]) -> list[Start]:
-    """The start pose of each vehicle: the world's starts, then further ones beside the last.
-
-    Raises UserError (``bad-vehicles``, ``start-in-thing``).
-    """
-    if not names or len(set(names)) != len(names):
-        raise UserError("bad-vehicles", f"vehicles need names that differ, not {list(names)}")
-    starts = list(world.starts[: len(names)])
-    while len(starts) < len(names):
-        last = starts[-1]
-        starts.append(Start(last.at.plus((_ABREAST, 0.0, 0.0)), last.heading))
-    for name, start in zip(names, starts, strict=True):
-        thing = thing_near(world.things, start.at)
-        if thing is not None:
-            raise UserError(
-                "start-in-thing",
-                f"'{name}' would start in the {thing.kind} '{thing.name}' of '{world.name}'",
-                hint=f"give the world {len(names)} starts",
-            )
-    return starts

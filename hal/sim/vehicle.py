@@ -17,6 +17,7 @@ from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import BodyState, Physics, in_body
 from hal.sim.pose_history import PoseHistory
+from hal.sim.starts import StartPose
 from hal.vehicle import (
     ACCEPTED,
     PERIOD,
@@ -32,7 +33,6 @@ from hal.vehicle import (
     Velocity,
 )
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
-from worlds.world import Start
 
 _ORIGIN = Point(0.0, 0.0, 0.0)
 STEPS_PER_PERIOD = 6
@@ -64,7 +64,7 @@ class SimVehicle(BaseVehicle):
         physics: Physics,
         *,
         airframe: Airframe,
-        start: Start,
+        start: StartPose,
         charge: float,
         noise: CommandNoise,
         obstacles: ObstacleHeightGrid | None,
@@ -90,7 +90,7 @@ class SimVehicle(BaseVehicle):
             airframe.mass,
             airframe.inertia,
             airframe.size,
-            (start.at.x, start.at.y, start.at.z + airframe.height),
+            (start.home.x, start.home.y, start.home.z + start.raised + airframe.height),
             yaw_quaternion(start.heading),
             name,
         )
@@ -113,7 +113,7 @@ class SimVehicle(BaseVehicle):
         self._battery = Battery(airframe, charge)
         self._noise = noise
         self._contacts = ContactTracker(physics, self._body, airframe.height, obstacles)
-        self._home = start.at
+        self._home = start.home
         self._time = 0.0
         self._mode = "landed"
         self._armed = False

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any, ClassVar
 
+import pytest
+
 from behaviors import Behavior, BehaviorParams, NotInControl, describe, param
 from hal import Lights
 from hal.vehicle import Hold, Velocity
@@ -84,6 +86,17 @@ class Ringer(_Companion):
         flight.raise_event("bell.rung", Rung(self.params.word))
 
 
+class Ghost(_Companion):
+    """Speaks after it was stopped, as a thread that it left behind would."""
+
+    events: Mapping[str, type | None] = {"bell.rung": Rung}  # type: ignore[misc]
+    publishes = Count
+    flights: ClassVar[list[Any]] = []
+
+    def start(self, flight: Any, progress: Any = None) -> None:
+        self.flights.append(flight)
+
+
 class Lamp(_Companion):
     """Shows a light."""
 
@@ -136,7 +149,9 @@ class Stray(Behavior):
         flight.command(Velocity(x=nan))
 
 
-OWN = {info.name: info for info in map(describe, (Meddler, Ringer, Lamp, Last, Teller, Stray))}
+OWN = {
+    info.name: info for info in map(describe, (Meddler, Ringer, Ghost, Lamp, Last, Teller, Stray))
+}
 
 
 def two(companion: str, handlers: str) -> str:
@@ -175,6 +190,26 @@ def test_what_one_raises_and_publishes_in_its_stop_is_its_own() -> None:
     rig.run(30)
     assert rig.pilot.outcome == "done"
     assert not [fields for kind, fields in rig.records if kind == "error"]
+
+
+def test_one_that_was_stopped_raises_and_publishes_nothing() -> None:
+    Ghost.flights.clear()
+    text = two("ghost", 'bell.rung: {actions: {log: "rung"}}')
+    rig = Rig(text, own=OWN)
+    rig.until_in("fly")
+    rig.period()
+    (flight,) = Ghost.flights
+    flight.raise_event("bell.rung")
+    rig.until_in("land")
+    assert logged(rig) == ["rung"]
+    with pytest.raises(NotInControl, match="that was stopped raises no events"):
+        flight.raise_event("bell.rung")
+    with pytest.raises(NotInControl, match="that was stopped publishes nothing"):
+        flight.publish(Count(3))
+    rig.run(30)
+    assert rig.pilot.outcome == "done"
+    rung = [f for kind, f in rig.records if kind == "event" and f["name"] == "bell.rung"]
+    assert len(rung) == 1
 
 
 def alone(behavior: str, handlers: str = "") -> str:

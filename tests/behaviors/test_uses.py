@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 
-from behaviors import load_all
+from behaviors import Registry, load_all
 from tests.behaviors.flying import Rig
 from vencejo.errors import Fault, UserError, Where
 from vencejo.nodes import Scalar
@@ -111,6 +112,10 @@ def test_a_missing_file(tmp_path: Path) -> None:
         ("x = 1\ndef step(:\n", 2, "SyntaxError"),
         ("import no_such_module_here\n", 1, "ModuleNotFoundError"),
         ("def f():\n    raise SystemExit(3)\n\nf()\n", 2, "SystemExit"),
+        ("\nraise KeyboardInterrupt\n", 2, "KeyboardInterrupt"),
+        ("class E(Exception):\n    def __str__(self): raise self\n\nraise E\n", 4, ": E"),
+        ("eval('1 +')\n", 1, "SyntaxError"),
+        ("import sys\n\nsys.setrecursionlimit('x')\n", 3, "TypeError"),
         (CLIMB.replace('unit="m"', 'unit="furlong"'), 10, "there is no unit 'furlong'"),
         (CLIMB + "\nClimbTo.publishes = list[int]\nClimbTo.events = 3\n", 1, "AttributeError"),
     ],
@@ -124,6 +129,111 @@ def test_broken_code_is_told_with_its_own_line(
     assert fault.where == Where("broken.py", line, 1)
     assert told in fault.message
     assert fault.hint == "named under `uses` at m.yaml:3:8"
+
+
+@pytest.mark.parametrize(
+    ("methods", "line", "told"),
+    [
+        ("pass", 3, "'Own' has no `step`"),
+        ("def step(self): ...", 4, "`step` of 'Own' does not take the argument `flight`"),
+        ("step = 3", 3, "`step` of 'Own' is no method"),
+        (
+            "def step(self, flight): ...\n    def start(self, flight): ...",
+            5,
+            "`start` of 'Own' does not take the argument `progress`",
+        ),
+        (
+            "def step(self, flight): ...\n    def start(self, flight, progress, more): ...",
+            5,
+            "`start` of 'Own' cannot be called with self, flight, progress: missing a required "
+            "argument: 'more'",
+        ),
+        (
+            "def step(self, flight): ...\n    def stop(self): ...",
+            5,
+            "`stop` of 'Own' does not take the argument `flight`",
+        ),
+        (
+            "def step(self, flight): ...\n    def progress(self, flight): ...",
+            5,
+            "`progress` of 'Own' cannot be called with self: missing a required argument: 'flight'",
+        ),
+        (
+            "def step(self, flight): ...\n    def __init__(self): ...",
+            5,
+            "`__init__` of 'Own' does not take the argument `params`",
+        ),
+        ("def step(self, flight): yield", 4, "`step` of 'Own' has a `yield` in it"),
+        ("async def step(self, flight): ...", 4, "`step` of 'Own' is `async`"),
+        ("async def step(self, flight): yield", 4, "`step` of 'Own' has a `yield` in it"),
+        (
+            "def step(self, flight): ...\n    controls = 'motion'",
+            3,
+            "`controls` of 'Own' is 'motion', not some words",
+        ),
+        (
+            "def step(self, flight): ...\n    requires = (3,)",
+            3,
+            "`requires` of 'Own' is (3,), not some words",
+        ),
+    ],
+)
+def test_a_class_that_its_calls_cannot_reach(
+    tmp_path: Path, methods: str, line: int, told: str
+) -> None:
+    (tmp_path / "own.py").write_text(
+        f"from behaviors import Behavior\n\nclass Own(Behavior):\n    {methods}\n"
+    )
+    fault = refusal(tmp_path, "own.py")
+    assert (fault.code, fault.where) == ("bad-behaviour", Where("own.py", line, 1))
+    assert fault.message.startswith(told)
+    assert fault.hint and fault.hint.startswith("write `")
+
+
+def test_all_classes_of_a_file_are_looked_at(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text(
+        "from behaviors import Behavior\nclass A(Behavior): ...\nclass B(Behavior): ...\n"
+    )
+    with pytest.raises(UserError) as raised:
+        load_all(named(tmp_path, "own.py"))
+    assert [fault.where for fault in raised.value.faults] == [
+        Where("own.py", 2, 1),
+        Where("own.py", 3, 1),
+    ]
+
+
+def test_arguments_may_have_other_names_and_defaults(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text(
+        "from behaviors import Behavior\n\nclass Own(Behavior):\n"
+        "    def __init__(self, *all): super().__init__(*all)\n"
+        "    def start(self, f, where=None, *more): ...\n"
+        "    step = lambda self, f: None\n"
+        "    def stop(self, *all, **named): ...\n"
+    )
+    assert list(load_all(named(tmp_path, "own.py"))) == ["own"]
+
+
+@pytest.mark.parametrize("head", ["async def leds():\n    pass", "def leds():\n    yield"])
+def test_an_action_whose_call_does_nothing(tmp_path: Path, head: str) -> None:
+    (tmp_path / "leds.py").write_text(f"from behaviors import action\n\n@action\n{head}\n")
+    fault = refusal(tmp_path, "leds.py")
+    assert fault.code == "broken-code"
+    assert "an action is neither `async` nor has it a `yield`" in fault.message
+
+
+def test_an_installed_behaviour_that_cannot_be_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "torn_plugin.py").write_text("\nimport sys\nsys.exit('no')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    point = EntryPoint("torn", "torn_plugin:Torn", "vencejo.behaviors")
+    monkeypatch.setattr("behaviors.registry.plugins", lambda group: {"torn": point})
+    with pytest.raises(UserError) as raised:
+        Registry()["torn"]
+    (fault,) = raised.value.faults
+    assert (fault.code, fault.where) == ("broken-code", Where("torn_plugin.py", 3))
+    assert fault.message == "the installed behaviour 'torn' cannot be loaded: SystemExit: no"
+    assert fault.hint == "it is torn_plugin:Torn of no package"
 
 
 def test_what_has_no_behaviour(tmp_path: Path) -> None:

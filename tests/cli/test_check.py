@@ -170,6 +170,23 @@ def test_scxml_is_checked_too(tmp_path: Path) -> None:
     assert f"{path}:2:45: error: there is no state 'c' [unknown-target]" in wrong.err
 
 
+def test_what_fails_at_run_time_in_a_document_is_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "doc.scxml"
+    path.write_text(
+        '<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0"><state id="a">\n'
+        '<transition event="t" cond="n +" target="a"/>'
+        '<transition event="u" cond="n" target="a"/></state></scxml>'
+    )
+    result = run_cli("check", str(path))
+    assert (result.code, result.out) == (0, f"{path}: may fly, 1 state, 2 warnings\n")
+    hint = "  hint: it raises error.execution at run time\n"
+    assert result.err == (
+        f"{path}:2:32: warning: nothing follows [bad-expression]\n{hint}"
+        f"{path}:2:74: warning: there is no variable 'n' [unknown-name]\n{hint}"
+    )
+    assert run_cli("check", "--strict", str(path)).code == 2
+
+
 def test_a_mission_that_went_out_as_scxml_is_checked_as_one(hop: str, tmp_path: Path) -> None:
     path = tmp_path / "hop.scxml"
     path.write_text(write_scxml(read_mission(Path(hop))))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -309,7 +310,8 @@ def test_a_drawing_is_interrupted_without_losing_the_rest(
     hop: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(folder: Path) -> Path:
-        raise KeyboardInterrupt
+        os.kill(os.getpid(), signal.SIGINT)
+        raise AssertionError("it goes on")
 
     monkeypatch.setattr("cli.plot.draw", interrupted)
     done = run_cli("run", hop)

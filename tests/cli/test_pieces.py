@@ -10,6 +10,7 @@ from cli.signals import Interrupts
 from cli.sketch import Sketch
 from cli.view import clock, note
 from tests.cli.run_cli import run_cli
+from vencejo.errors import Stopped
 
 
 def test_interrupts_count_and_the_third_stops_the_program() -> None:
@@ -18,7 +19,7 @@ def test_interrupts_count_and_the_third_stops_the_program() -> None:
     assert stops.count == 1
     stops.request()
     assert stops.count == 2
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(Stopped):
         stops.request()
 
 

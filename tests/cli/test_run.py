@@ -55,6 +55,22 @@ def test_the_run_folder_holds_what_was_flown(hop: str) -> None:
     assert 1.8 < summary["max_altitude_m"] < 2.2
 
 
+def test_the_run_folder_holds_the_files_of_a_document() -> None:
+    Path("inside").mkdir()
+    Path("inside/d.json").write_text('{"n": null}')
+    Path("c.scxml").write_text(
+        '<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0"><datamodel>'
+        '<data id="d" src="inside/d.json"/></datamodel>'
+        '<state id="s"><transition target="f"/></state>'
+        '<final id="f"><donedata><content expr="d"/></donedata></final></scxml>'
+    )
+    assert run_cli("run", "c.scxml").code == 0
+    folder = only_run()
+    assert (folder / "inside" / "d.json").read_text() == '{"n": null}'
+    output = json.loads((folder / "summary.json").read_text())["output"]
+    assert output == {"<content>": {"n": None}}
+
+
 def test_the_log_numbers_its_lines_and_says_what_happened(hop: str) -> None:
     run_cli("run", hop)
     header, *lines = events(only_run())

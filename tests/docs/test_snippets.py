@@ -15,7 +15,7 @@ from tests.cli.run_cli import run_cli
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-_FILE = re.compile(r"# file: (\S+)\n")
+_FILE = re.compile(r"(?:#|<!--) file: (\S+)")
 
 
 def blocks(document: Path) -> list[tuple[str, str]]:

@@ -8,7 +8,8 @@ from itertools import combinations
 import pytest
 
 from fsm import Graph
-from fsm.chart.draft import Draft, compatible, domain_of
+from fsm.chart.draft import Draft, compatible
+from fsm.chart.nesting import domain_of
 from fsm.scxml import load_document, parse_document
 from tests.fsm.toy import graph_of
 from vencejo.errors import Where
@@ -124,6 +125,19 @@ def test_only_states_of_different_regions_can_be_entered_together(draft: Draft) 
     }
     assert pairs == {"left+right", "left+c", "a+right", "b+right", "a+c", "b+c"}
     assert not any(compatible(b, a) for a, b in combinations(draft, 2) if not compatible(a, b))
+
+
+def test_a_history_state_stands_for_everything_beside_it() -> None:
+    draft, here = Draft(), Where("d")
+    both = draft.add("both", "both", "parallel", here, draft.add("", "", "compound", here, None))
+    of_both = draft.add("h", "both.h", "history", here, both)
+    left = draft.add("left", "both.left", "compound", here, both)
+    of_left = draft.add("h", "both.left.h", "history", here, left)
+    draft.add("a", "both.left.a", "atomic", here, left)
+    right = draft.add("right", "both.right", "atomic", here, both)
+    assert not any(compatible(of_both, each) or compatible(each, of_both) for each in draft)
+    beside = [each for each in draft if compatible(of_left, each) and compatible(each, of_left)]
+    assert beside == [right]
 
 
 @pytest.mark.parametrize(

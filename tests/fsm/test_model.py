@@ -104,6 +104,31 @@ def test_callbacks_are_honoured_in_order() -> None:
     assert model.told == ["tell go at b.inner"]
 
 
+def test_callbacks_see_the_configuration_of_their_moment() -> None:
+    graph = Run(TEXT).graph
+    model = Run(TEXT, graph=graph).instance
+    seen: list[Any] = []
+    for path in ("a", "b", "b.inner"):
+        for when in ("enter", "exit"):
+            graph.by_path[path].add_callback(
+                when,
+                lambda event, now=(when, path): seen.append(
+                    (*now, [node.path for node in model.active[1:]], model.paths(), model.is_b())
+                ),
+            )
+    model.trigger("word.said", word="go")
+    model.stop()
+    assert seen == [
+        ("enter", "a", ["a"], ["a"], False),
+        ("exit", "a", ["a"], ["a"], False),
+        ("enter", "b", ["b"], [], True),
+        ("enter", "b.inner", ["b", "b.inner"], ["b.inner"], True),
+        ("exit", "b.inner", ["b", "b.inner"], ["b.inner"], True),
+        ("exit", "b", ["b"], [], True),
+    ]
+    assert (model.active, model.paths()) == ((), [])
+
+
 def test_a_condition_added_to_a_transition_counts() -> None:
     from transitions.core import Condition
 

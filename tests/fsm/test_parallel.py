@@ -44,6 +44,22 @@ def test_the_parallel_done_comes_after_the_region_s_own() -> None:
     assert events == ["event battery.low unheard", "event both.l:done unheard", "event both:done"]
 
 
+def test_behaviours_that_end_in_one_period_make_their_parallel_state_done_once() -> None:
+    run = Run(
+        """
+states:
+  both:
+    type: parallel
+    on: {done: {actions: {log: done}}, operator.abort: end}
+    states: {l: {do: wait}, r: {states: {x: {do: wait, on: {done: out}}, out: {type: final}}}}
+  end: {type: final}
+""",
+        {"both.l": [None, "done"], "both.r.x": ["done"]},
+    )
+    run.run(5)
+    assert run.logged() == ["done"]
+
+
 def test_a_mission_of_regions_ends_when_all_have() -> None:
     run = Run(
         "type: parallel\nstates: {a: {do: wait}, b: {do: wait}}", {"a": ["done"], "b": ["done"]}

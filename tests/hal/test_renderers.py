@@ -18,7 +18,7 @@ from hal.vehicle import Intrinsics, Options
 from tests.hal.scenes import lens, look, thing_of, world_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point, Pose
-from worlds.things import UPRIGHT, Cuboid, Sphere, Thing
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Sphere, Thing
 from worlds.world import World
 
 ROOT = Path(__file__).parents[2]
@@ -111,6 +111,55 @@ def test_all_renderers_show_the_same_scene() -> None:
             renderer.close()
         for image, shown, hidden in ((alone, 2, 0), (covered, 0, 2)):
             assert image[12, 16, shown] > 200 and image[12, 16, hidden] == 0, name
+
+
+CLOSE = [
+    (Cuboid(Point(1, 20, 20)), (0.5, 0, 5), (1, 0, 0)),
+    (Cuboid(Point(1, 20, 20)), (0.5, 0, 5), (1, 0.8, 0.2)),
+    (Cuboid(Point(10, 10, 1)), (0, 0, 4.5), (0, 0, -1)),
+    (Cylinder(0.3, 4), (0.3, 0, 5), (1, 0, 0)),
+    (Sphere(0.1), (0.1, 0, 5), (1, 0, 0)),
+    (Sphere(3.0), (3.0, 0, 5), (1, 0, 0)),
+]
+"""Shapes, places where they touch (0, 0, 5), and directions in which a camera looks at them."""
+
+
+@pytest.mark.parametrize("name", ["egl", "raster", "tiny"])
+@pytest.mark.parametrize("gap", [0.002, 0.01, 0.049, 0.051])
+def test_nothing_close_is_seen_through(name: str, gap: float) -> None:
+    """A camera on a vehicle that touches something has it right before its lens."""
+    for shape, at, to in CLOSE:
+        away = [gap * (-1 if axis < 0 else axis > 0) for axis in (at[0], 0, at[2] - 5)]
+        place = (at[0] + away[0], 0.0, at[2] + away[2])
+        world = world_of(thing_of("thing", shape, place, color=(200, 0, 0)))
+        try:
+            renderer = open_renderer(name, world, {})
+        except UserError as error:
+            assert error.code == "no-egl"
+            return
+        eye = look((0, 0, 5), (to[0], to[1], 5 + to[2]))
+        image = renderer.render(eye, LENS, 0.0, {})
+        renderer.close()
+        assert (image[..., 2] > 50).all() and (image[..., :2] < 10).all(), shape
+
+
+@pytest.mark.parametrize(("name", "off"), [("egl", 0.03), ("raster", 0.001), ("tiny", 0.001)])
+def test_what_is_close_hides_what_is_behind_and_nothing_else(name: str, off: float) -> None:
+    """A rod 1 cm before the lens, in front of a wall with a poster a little off it."""
+    rod = thing_of("rod", Cylinder(0.001, 4), (0.011, 0, 5), color=(200, 0, 0))
+    wall = thing_of("wall", Cuboid(Point(1, 20, 20)), (6.5, 0, 5), color=(0, 200, 0))
+    poster = thing_of("poster", Cuboid(Point(0.1, 4, 4)), (6.05 - off, 0, 5), color=(0, 0, 200))
+    try:
+        renderer = open_renderer(name, world_of(rod, wall, poster), {})
+    except UserError as error:
+        assert error.code == "no-egl"
+        return
+    image = renderer.render(look((0, 0, 5), (1, 0, 5)), LENS, 0.0, {})
+    renderer.close()
+    shown = [int(np.argmax(image[12, column])) for column in range(32)]
+    assert set(shown[14:18]) == {2}, "the rod"
+    assert set(shown[8:13]) == set(shown[19:24]) == {0}, "the poster"
+    assert set(shown[:4]) == set(shown[-4:]) == {1}, "the wall"
 
 
 def test_nothing_of_a_renderer_is_imported_before_an_image_is_wanted() -> None:

@@ -9,25 +9,29 @@ from pathlib import Path
 import pytest
 
 from behaviors import Pilot
+from behaviors.channel import Channel
 from cli.plot import draw
 from cli.plot.flight import flights_of
 from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal import Limits, Options, Session
 from hal.fake import FakeSession, FakeVehicle
+from hal.vehicle import Answer
 from runner import (
     Assignment,
     Plan,
     Prepared,
     Recorder,
+    Summary,
     fly,
     missions,
     prepare,
     read_run,
 )
+from runner.call_limit import CallLimit
 from runner.run_folder import summary_fields
 from tests.hal.test_contract import example_session
-from vencejo.errors import UserError, VehicleError
+from vencejo.errors import Stopped, UserError, VehicleError
 from vencejo.geometry import Point
 
 HOP = """\
@@ -324,3 +328,81 @@ def test_a_vehicle_without_limits_flies_until_some_are_asked_for(
     assert fly(plan).exit_code == 0
     with pytest.raises(UserError, match="no limits to change"):
         fly(replace(plan, limits=Limits(max_speed=1.0)))
+
+
+OWN = """\
+mission: own
+uses: [own.py]
+states:
+  up: {do: takeoff, with: {altitude: 2 m}, on: {done: fly}}
+  fly: {do: own, exit: {log: "left"}, on: {done: down}}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+OWN_CODE = """\
+from behaviors import Behavior
+
+class Own(Behavior):
+    def step(self, flight):
+        return "done"
+"""
+
+
+def own(folder: Path, **methods: Callable[..., object]) -> Prepared:
+    """A mission with a behaviour of its own, whose methods are these."""
+    (folder / "own.py").write_text(OWN_CODE)
+    mission = prepared(folder, OWN)
+    for name, method in methods.items():
+        setattr(mission.graph.vocabulary.behaviors["own"].implementation, name, method)
+    return mission
+
+
+def test_all_are_landed_from_within_a_call_that_does_not_return(tmp_path: Path) -> None:
+    limit = CallLimit(None)
+    landed: list[Summary] = []
+    called: list[str] = []
+
+    def step(self: object, flight: object) -> None:
+        called.append("step")
+        assert limit.land is not None
+        landed.append(limit.land("it never returns"))
+        raise Stopped  # stands for the end of the process
+
+    def stop(self: object, flight: object) -> None:
+        called.append("stop")
+
+    (tmp_path / "run").mkdir()
+    cat = Assignment(own(tmp_path, step=step, stop=stop))
+    plan = Plan({"mouse": Assignment(prepared(tmp_path, LONG)), "cat": cat})
+    with pytest.raises(Stopped):
+        fly(plan, lambda: Recorder(tmp_path / "run"), limit=limit)
+    assert called == ["step"] and limit.land is None
+    (summary,) = landed
+    assert {(f.outcome, f.reason, f.failure) for f in summary.vehicles.values()} == {
+        ("failed", "it never returns", "")
+    }
+    run = read_run(tmp_path / "run")
+    assert run.missing == ("summary.json is not there",)
+    for vehicle in ("cat", "mouse"):
+        last = run.telemetry[vehicle][-1]
+        assert last.mode == "landed" and abs(last.position.z) < 0.05 and last.states == ()
+        kinds = [entry.kind for entry in run.events if entry.vehicle == vehicle]
+        assert kinds[-2:] == ["outcome", "landing"] and "log" not in kinds
+
+
+def test_a_defect_in_a_period_is_shown_and_only_that_vehicle_lands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    send = Channel.send
+
+    def broken(channel: Channel) -> Answer:
+        if channel.vehicle.name == "cat" and channel.now > 3.0:
+            raise ZeroDivisionError("by zero")
+        return send(channel)
+
+    monkeypatch.setattr(Channel, "send", broken)
+    cat, mouse = fly(two(tmp_path, LONG.replace("long", "far"), WAIT)).vehicles.values()
+    assert (cat.outcome, mouse.outcome) == ("failed", "given_up")
+    assert cat.reason == "a defect of the program: ZeroDivisionError: by zero"
+    assert cat.mission_time < 10.0
+    assert capsys.readouterr().err.count("Traceback") == 1

@@ -18,8 +18,10 @@ PACKAGES = (
     "runner",
     "cli",
 )
-PUBLIC = {"_replace", "_asdict", "_fields", "_make"}
-"""Public names of every NamedTuple; their underscore avoids clashes with field names."""
+PUBLIC = {"_replace", "_asdict", "_fields", "_make", "_exit"}
+"""Public names of every NamedTuple, whose underscore avoids clashes with field names; and the end
+of a process in Python's ``os``.
+"""
 
 
 def private(name: str) -> bool:

@@ -17,6 +17,7 @@ from worlds.loader import read_world
 from worlds.markers import DICTIONARIES, plate_side
 from worlds.motion import pose_at
 from worlds.solids import bounds_of, part_pose, solid_parts, top_of
+from worlds.terrain import height_at
 from worlds.things import Charuco, Fiducial, Plate, Thing
 
 ROOT = Path(__file__).parents[2]
@@ -145,6 +146,24 @@ def test_things_stand_on_the_hill() -> None:
         " tower: {at: [0, 0, 9], size: [1, 1, 1]}}"
     ).things
     assert (hut.at.z, tower.at.z) == (2.0, 9.0)
+
+
+@pytest.mark.parametrize("shape", ["", ", loop: true", ", loop: true, smooth: true"])
+def test_a_path_without_heights_lies_on_the_ground_all_along(shape: str) -> None:
+    hills = (
+        "ground: {terrain: {size: 40, heights: [[0, 0, 0, 0, 0], [0, 3, 1, 5, 0], [0, 0, 4, 2, 0],"
+        " [0, 1, 6, 0, 0], [0, 0, 0, 0, 0]]}}\n"
+    )
+    path = "through: [[-18, -3], [17, 4], [2, 15], [-9, 9]], speed: 2 m/s"
+    hilly = world(f"{hills}cars: {{c: {{moves: {{{path}{shape}}}}}}}")
+    (car,) = hilly.things
+    for time in range(0, 400):
+        x, y, z = pose_at(car, 0.25 * time)[0]
+        assert z == pytest.approx(height_at(hilly.ground.terrain, x, y), abs=0.03)
+    # One with a height keeps to it.
+    (kite,) = world(f"{hills}cars: {{c: {{moves: {{{path.replace('-3', '-3, 9')}}}}}}}").things
+    assert [pose_at(kite, time)[0].z > 3 for time in (0, 4)] == [True, True]
+    assert kite.motion is not None and len(kite.motion.points) == 4
 
 
 def test_the_north_is_the_first_row_of_a_terrain() -> None:

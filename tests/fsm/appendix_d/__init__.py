@@ -1,0 +1,1 @@
+"""Our engine beside an interpreter of its own, written from appendix D of the W3C's SCXML alone."""

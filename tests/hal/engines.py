@@ -1,0 +1,48 @@
+"""The physics engines behind the seam, for the tests that hold for each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+
+from hal.sim.bullet import Bullet
+from hal.sim.physics import STEP, Body, Physics, Triple
+from vencejo.geometry import Point, Quaternion, yaw_quaternion
+from worlds import figures
+from worlds.things import UPRIGHT, Motion, Terrain, Thing
+
+ENGINES: Mapping[str, Callable[[], Physics]] = {"bullet": Bullet}
+SIZE = (0.5, 0.5, 0.12)
+"""Of a vehicle, metres."""
+WEIGHT = 0.436 * 9.80665
+"""Of a vehicle, newtons."""
+
+
+@contextmanager
+def simulation(engine: str, *things: Thing, terrain: Terrain | None = None) -> Iterator[Physics]:
+    """An engine with things and terrain in it."""
+    physics = ENGINES[engine]()
+    try:
+        physics.add_things(things, terrain)
+        yield physics
+    finally:
+        physics.close()
+
+
+def vehicle(
+    physics: Physics, at: Triple, attitude: Quaternion = UPRIGHT, name: str = "drone"
+) -> Body:
+    """A body like a vehicle, with its centre at a place."""
+    return physics.add_body(0.436, (2.2e-3, 3e-3, 4.8e-3), SIZE, at, attitude, name)
+
+
+def box(
+    name: str, at: Point, size: Point, heading: float = 0.0, motion: Motion | None = None
+) -> Thing:
+    parts = figures.box(size, (0, 0, 0))
+    return Thing(name, "box", at, yaw_quaternion(heading), parts, True, motion)
+
+
+def run(physics: Physics, seconds: float) -> None:
+    for _ in range(round(seconds / STEP)):
+        physics.step()
