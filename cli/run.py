@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, cast
+from typing import IO, TYPE_CHECKING, cast
 
 import click
 
@@ -40,6 +40,9 @@ from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import OutputError, Stopped, UserError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 
 @click.command()
@@ -250,7 +253,7 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
         else:
             from cli.view import show_summary
 
-            show_summary(fields)
+            show_summary(fields, colored=_is_colored(_console(how.out)))
         return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
 
 
@@ -267,16 +270,28 @@ def _watchers(
     plan: Plan, speed: float | None, out: Output, stops: Interrupts, stack: ExitStack
 ) -> list[Watcher]:
     """The live view on a terminal that can draw it, plain lines elsewhere."""
+    console = _console(out)
+    drawable = out.isatty() and console.is_terminal and not console.is_dumb_terminal
+    if not (drawable and out.unicode):
+        from cli.view import PlainView
+
+        return [PlainView(out, colored=_is_colored(console)), _Reader(out, stops)]
+    from cli.live_view import LiveView
+
+    # Elsewhere the world's things do not stand where its file says.
+    world = plan.world if plan.backend == "sim" else None
+    return [stack.enter_context(LiveView(console, world, speed)), _Reader(out, stops)]
+
+
+def _console(out: Output) -> Console:
     from rich.console import Console
 
-    from cli.view import LiveView, PlainView
+    return Console(file=cast(IO[str], out))
 
-    console = Console(file=cast(IO[str], out))
-    if not console.is_terminal or console.is_dumb_terminal or not out.unicode:
-        return [PlainView(out), _Reader(out, stops)]
-    (assignment,) = plan.assignments.values()
-    view = stack.enter_context(LiveView(assignment.prepared.graph, console, speed))
-    return [view, _Reader(out, stops)]
+
+def _is_colored(console: Console) -> bool:
+    """Whether colours are wanted: on a terminal, or by FORCE_COLOR, but never with NO_COLOR."""
+    return console.color_system is not None and not console.no_color
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from worlds.catalog import find_world, world_families, world_names
 from worlds.loader import load_world
 from worlds.motion import pose_at
-from worlds.outlines import outlines_of
+from worlds.outlines import Outline, outlines_of
 from worlds.things import Color, Thing
 from worlds.world import Ground, Light, Origin, Road, Start, World
 
@@ -12,6 +12,7 @@ __all__ = [
     "Ground",
     "Light",
     "Origin",
+    "Outline",
     "Road",
     "Start",
     "Thing",
