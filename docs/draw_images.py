@@ -11,9 +11,9 @@ import cv2
 from rich.console import Console
 
 from behaviors import Pilot
-from cli.flight_plot import draw
 from cli.live_view import LiveView
 from cli.look import render
+from cli.plot import draw
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
@@ -74,7 +74,9 @@ def main() -> None:
     console = Console(record=True, width=96, height=28, file=io.StringIO(), force_terminal=True)
     snapshot = _Snapshot(console, plan.world)
     with TemporaryDirectory() as folder:
-        fly(plan, lambda: Recorder(Path(folder)), [snapshot])
+        recorder = Recorder(Path(folder))
+        recorder.keep_world(plan.world)
+        recorder.write_summary(fly(plan, lambda: recorder, [snapshot]))
         draw(Path(folder)).replace(IMAGES / "first_flight.png")
     console.save_svg(str(IMAGES / "live.svg"), title="drone-cli run first_flight --speed 2")
 

@@ -314,7 +314,7 @@ def test_a_drawing_is_interrupted_without_losing_the_rest(
         os.kill(os.getpid(), signal.SIGINT)
         raise AssertionError("it goes on")
 
-    monkeypatch.setattr("cli.flight_plot.draw", interrupted)
+    monkeypatch.setattr("cli.plot.draw", interrupted)
     done = run_cli("run", hop)
     assert done.code == 0
     assert done.err.startswith("no picture: interrupted; drawn by `drone-cli picture runs/")

@@ -1,4 +1,4 @@
-"""Signals, the notes and the plot of a run, each by itself."""
+"""Signals and the notes, each by itself."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from cli.flight_plot import draw, stretches
 from cli.narrator import clock, note
 from cli.signals import Interrupts
-from runner import read_run
 from tests.cli.run_cli import run_cli
-from vencejo import UserError
 from vencejo.errors import Stopped
 
 
@@ -99,26 +96,3 @@ def test_a_killed_run_can_be_drawn(hop: str, undrawn: None) -> None:
     result = run_cli("picture", str(folder))
     assert result.code == 0, result.err
     assert (folder / "flight.png").exists()
-
-
-def test_states_are_stretches_of_the_track(hop: str, undrawn: None) -> None:
-    run_cli("run", hop)
-    (folder,) = Path("runs").iterdir()
-    run = read_run(folder)
-    ((takeoff, land),) = stretches(run)
-    assert (takeoff.state, land.state) == ("takeoff", "land")
-    # The second begins where the first ends, so that the path has no gap.
-    assert land.samples[0] == takeoff.samples[-1]
-    flown = [sample for sample in run.telemetry["drone"] if sample.states]
-    assert [*takeoff.samples, *land.samples[1:]] == flown
-
-
-def test_what_is_no_run_cannot_be_drawn(hop: str, undrawn: None, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="is no run folder"):
-        draw(tmp_path)
-    run_cli("run", hop)
-    (folder,) = Path("runs").iterdir()
-    columns, _, _ = (folder / "telemetry.csv").read_text().partition("\n")
-    (folder / "telemetry.csv").write_text(columns + "\n")
-    with pytest.raises(UserError, match="no telemetry"):
-        draw(folder)
