@@ -27,6 +27,7 @@ from fsm.host import BehaviorInfo
 from fsm.values.functions import EvaluationError
 from fsm.values.intake import copied
 from fsm.values.packing import pack, unpack
+from fsm.values.types import POINT
 from hal.orders import Order
 from hal.vehicle import PERIOD, Hold, Observation, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
@@ -78,7 +79,7 @@ class Pilot:
             frame or MissionFrame.at_start(vehicle.observe()),
             generator(seed, vehicle.name, "behaviours"),
         )
-        self.instance = Instance(graph, self, parameters)
+        self.instance = Instance(graph, self, self._located(graph, parameters or {}))
         self.landing: Order | None = None
         """The order to land outside the mission; None before."""
         self.reason = ""
@@ -103,6 +104,19 @@ class Pilot:
         self._last: Setpoint = Hold()
         """The set-point commanded last, mission frame; Hold after a manoeuvre."""
         self._require(graph)
+
+    def _located(self, graph: Graph, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The given parameters, and each that names a place of the world as the point of that."""
+        frame = self.channel.frame
+        values = {name: given.get(name, p.default) for name, p in graph.parameters.items()}
+        places = {
+            name: frame.from_world(frame.places[value])
+            for name, value in values.items()
+            if graph.parameters[name].type == POINT
+            and isinstance(value, str)
+            and value in frame.places
+        }
+        return {**given, **places}
 
     def _require(self, graph: Graph) -> None:
         """Refuse a mission that needs more than this vehicle can do. Raises UserError."""

@@ -12,6 +12,9 @@ from typing import Any, Literal, Protocol
 
 from fsm.values.types import Type
 
+PERIOD = 0.025
+"""Seconds of one mission period."""
+
 Reaction = Literal["none", "land", "suspend", "resume"]
 """The host's reaction to an event that no active state handles: none, end the mission with a
 landing, or suspend the mission until an event whose reaction is to resume it."""
@@ -48,6 +51,9 @@ class BehaviorInfo:
     controls: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     ends_landed: bool = False
+    takes_off: bool = False
+    needs_flight: bool = False
+    """It moves a vehicle that is in the air already."""
     on_trust: bool = False
     """Only its name is known: it is not checked how a graph uses it."""
     implementation: Any = None
