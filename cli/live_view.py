@@ -61,6 +61,8 @@ class _Watched:
     """The places of its last collisions on the map."""
     last: str = ""
     """The state entered last."""
+    left_ground: bool = False
+    """Whether it was off the ground at any time."""
     sampled: float = -inf
     """When the last point of its path was taken."""
 
@@ -131,6 +133,7 @@ class LiveView:
         now = self._wall()
         watched = self._watched.get(pilot.vehicle.name) or self._begin(pilot, now)
         seen = pilot.channel.world
+        watched.left_ground = watched.left_ground or seen.flying
         if seen.time >= watched.sampled + SAMPLE:
             watched.sampled = seen.time
             self._sketch.go(pilot.vehicle.name, _on_map(pilot, seen.position))
@@ -190,7 +193,7 @@ class LiveView:
     def picture(self, columns: int, rows: int) -> Picture:
         """This moment in so many rows, each at most ``columns`` wide."""
         first = next(iter(self._watched.values()))
-        head = [*_flowed(self._figures(first.pilot), columns), _where(first.pilot, columns)]
+        head = [*_flowed(self._figures(first.pilot), columns), _where(first, columns)]
         # Afterwards the way to the end is of more interest than the states.
         share = 3 if first.pilot.outcome else 5
         told = max(3, min(10, (rows - len(head)) // share))
@@ -290,13 +293,18 @@ class LiveView:
         return f"{pace:.3g} × real time" if pace else "as fast as it can"
 
 
-def _where(pilot: Pilot, columns: int) -> Text:
+def _where(watched: _Watched, columns: int) -> Text:
     """The active states and for how long; after the mission, how it ended."""
-    instance = pilot.instance
+    pilot, instance = watched.pilot, watched.pilot.instance
     if pilot.outcome is not None:
-        good = pilot.outcome == "done"
         why = f" ({one_line(pilot.reason)})" if pilot.reason else ""
-        sign, style = ("✔", "bold green") if good else ("✘", "bold red")
+        if pilot.outcome != "done":
+            sign, style = "✘", "bold red"
+        elif watched.left_ground:
+            sign, style = "✔", "bold green"
+        else:
+            sign, style = "–", "bold yellow"
+            why += ", never left the ground"
         landing = "" if pilot.finished else ", landing"
         return Text(f"{sign} ended in '{pilot.outcome}'{why}{landing}", style)
     leaves = [node for node in instance.active if not node.children]

@@ -179,6 +179,16 @@ def test_reasons_collisions_and_how_it_ended(columns: int, rows: int, tmp_path: 
     assert terminal.screen.cursor.x == 0
 
 
+@pytest.mark.parametrize(("columns", "rows"), SIZES)
+def test_a_flight_that_never_left_the_ground_is_not_praised(
+    columns: int, rows: int, tmp_path: Path
+) -> None:
+    terminal = Terminal(columns, rows)
+    watch(terminal, plan_of(tmp_path, "states: {a: {after: {1 s: b}}, b: {type: final}}\n"))
+    assert terminal.lines.count("– ended in 'done', never left the ground") == 1
+    assert "✔" not in "\n".join(terminal.lines)
+
+
 def many_states(groups: int = 19, states: int = 19) -> str:
     """A mission of some four hundred states; the vehicle stands on the ground."""
     lines = ["mission: many", "states:"]
