@@ -39,6 +39,10 @@ class Behavior:
     """Capabilities that the vehicle must have; checked before take-off."""
     ends_landed: ClassVar[bool] = False
     """True when every ``done`` leaves the vehicle on the ground."""
+    takes_off: ClassVar[bool] = False
+    """True when every ``done`` leaves the vehicle in the air, wherever it was."""
+    needs_flight: ClassVar[bool] = False
+    """True when it moves a vehicle that is in the air already."""
 
     def __init__(self, params: Any) -> None:
         self.params = params
@@ -83,6 +87,7 @@ def describe(behavior: type[Behavior], name: str = "") -> BehaviorInfo:
         controls=tuple(behavior.controls),
         requires=tuple(behavior.requires),
         ends_landed=behavior.ends_landed,
-        takes_off="takeoff" in behavior.requires,
+        takes_off=behavior.takes_off,
+        needs_flight=behavior.needs_flight,
         implementation=behavior,
     )

@@ -34,6 +34,7 @@ class GoTo(Behavior):
     outcomes: ClassVar[Mapping[str, type | None]] = {"done": None, "blocked": Blocked}
     publishes = Approach
     requires = ("position", "velocity")
+    needs_flight = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params = self.params

@@ -25,6 +25,7 @@ class Hover(Behavior):
 
     outcomes: ClassVar[Mapping[str, type | None]] = {}
     requires = ("position",)
+    needs_flight = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         seen = flight.observation

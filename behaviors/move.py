@@ -23,6 +23,7 @@ class Move(Behavior):
 
     outcomes: ClassVar[Mapping[str, type | None]] = {}
     requires = ("velocity",)
+    needs_flight = True
 
     def step(self, flight: Flight) -> Outcome | str | None:
         p = self.params

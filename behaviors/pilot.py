@@ -17,6 +17,7 @@ from behaviors.calls import Calls, CodeFailed
 from behaviors.channel import Channel
 from behaviors.frame import MissionFrame
 from behaviors.host_functions import HOST_FUNCTIONS
+from behaviors.landing import Aside, Descent, is_unstable
 from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
 from fsm.chart.graph import Graph
@@ -26,6 +27,7 @@ from fsm.host import BehaviorInfo
 from fsm.values.functions import EvaluationError
 from fsm.values.intake import copied
 from fsm.values.packing import pack, unpack
+from fsm.values.types import POINT
 from hal.orders import Order
 from hal.vehicle import PERIOD, Hold, Observation, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
@@ -77,7 +79,7 @@ class Pilot:
             frame or MissionFrame.at_start(vehicle.observe()),
             generator(seed, vehicle.name, "behaviours"),
         )
-        self.instance = Instance(graph, self, parameters)
+        self.instance = Instance(graph, self, self._located(graph, parameters or {}))
         self.landing: Order | None = None
         """The order to land outside the mission; None before."""
         self.reason = ""
@@ -92,6 +94,9 @@ class Pilot:
         without those in which others are known to fly.
         """
         self._landing_asked = -inf
+        self._descent = Descent()
+        self._aside: Aside | None = None
+        """The way to another place to land, where it did not stand; None while it lands."""
         self._noted = "alive", "mission"
         """Link and authority in the last records of them."""
         self._refusal = ""
@@ -99,6 +104,19 @@ class Pilot:
         self._last: Setpoint = Hold()
         """The set-point commanded last, mission frame; Hold after a manoeuvre."""
         self._require(graph)
+
+    def _located(self, graph: Graph, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The given parameters, and each that names a place of the world as the point of that."""
+        frame = self.channel.frame
+        values = {name: given.get(name, p.default) for name, p in graph.parameters.items()}
+        places = {
+            name: frame.from_world(frame.places[value])
+            for name, value in values.items()
+            if graph.parameters[name].type == POINT
+            and isinstance(value, str)
+            and value in frame.places
+        }
+        return {**given, **places}
 
     def _require(self, graph: Graph) -> None:
         """Refuse a mission that needs more than this vehicle can do. Raises UserError."""
@@ -277,7 +295,9 @@ class Pilot:
         return self.channel.observation.authority in ("operator", "autopilot")
 
     def _bring_down(self, dt: float) -> None:
-        """Hold, then land; order the landing again when it is refused or lost."""
+        """Hold, then land; order it again when it is refused or lost, or beside where it does not
+        stand.
+        """
         seen, landing = self.channel.observation, self.landing
         if self._is_down():
             return
@@ -299,17 +319,33 @@ class Pilot:
             raise VehicleError("cannot-land", f"the vehicle did not land within {timeout:.0f} s")
         if landing is None and self._ended_for < HOLD_BEFORE_LANDING and seen.flying:
             self.vehicle.command(Hold())
-        elif landing is None or (landing.state in ("refused", "lost") and self._may_ask_again()):
+        elif landing is None or (not self._goes_aside(seen, landing) and self._may_ask(landing)):
             self._land()
         self._ended_for += dt
+
+    def _goes_aside(self, seen: Observation, landing: Order) -> bool:
+        """Fly to a place beside, to land there, if it does not stand where it came down."""
+        if landing.state == "refused" and is_unstable(seen):
+            self._aside = self._descent.aside(seen)
+        if self._aside is None:
+            self._descent.watch(seen)
+            return False
+        self.channel.setpoint = self._aside.step(seen)
+        if self.channel.setpoint is None:
+            self._aside = None
+            return False
+        self.channel.send()
+        return True
 
     def _land(self) -> None:
         self.instance.record("landing", by="host")
         self._landing_asked = self.channel.now
         self.landing = self.vehicle.land()
 
-    def _may_ask_again(self) -> bool:
-        return self.channel.now - self._landing_asked >= LANDING_RETRY
+    def _may_ask(self, landing: Order) -> bool:
+        """Whether to order it again."""
+        waited = self.channel.now - self._landing_asked
+        return landing.state in ("refused", "lost") and waited >= LANDING_RETRY
 
     def _command(self) -> None:
         """Command the set-point of the behaviour in control; without one, hold."""

@@ -61,6 +61,7 @@ class FlyRoute(Behavior):
     events: ClassVar[Mapping[str, type | None]] = {"route.reached": Reached}
     publishes = Passage
     requires = ("position", "velocity")
+    needs_flight = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         progress = progress or {}

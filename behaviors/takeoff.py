@@ -24,6 +24,7 @@ class Takeoff(Behavior):
         timeout: float = param(30.0, unit="s", min=1.0, help="then it has failed")
 
     requires = ("takeoff",)
+    takes_off = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         order = flight.takeoff(self.params.altitude)

@@ -17,6 +17,8 @@ from typing import Any, TextIO
 
 import click
 
+from vencejo.errors import OutputError
+
 _GONE = (errno.EPIPE, errno.EIO, errno.ECONNRESET)
 """Errors of a stream that nobody reads any more: a closed pipe, terminal or connection."""
 _PLAIN = {"→": "->", "✔": "ok", "✘": "failed", "×": "x", "—": "-", "–": "-", "…": "...", "·": "."}
@@ -106,6 +108,21 @@ class Output(TextIOBase):
 
     def writable(self) -> bool:
         return True
+
+
+def written_code(code: int, out: TextIO | Output, err: TextIO | Output) -> int:
+    """Flush both streams at the end of a command and tell whether the output could not be written.
+
+    ``code`` is the exit code so far; where all went well it becomes that of OutputError.
+    """
+    out.flush()
+    if isinstance(out, Output) and out.lost:
+        message = f"the output could not be written: {out.lost}"
+        err.write(f"{OutputError('output-lost', message)}\n")
+    err.flush()
+    lost = any(isinstance(stream, Output) and stream.lost for stream in (out, err))
+    # What was found or flown stands in the other codes; these two say that all went well so far.
+    return OutputError.exit_code if lost and code in (0, 1) else code
 
 
 def echo_json(

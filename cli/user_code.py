@@ -20,6 +20,7 @@ import click
 
 from behaviors import CodeFailed
 from cli.ending import leave
+from cli.output import written_code
 from cli.signals import LAST_WORDS, Interrupts
 from runner.call_limit import CallLimit
 from runner.process_settings import ProcessSettings
@@ -39,6 +40,7 @@ def user_code(
     Where a call cannot be ended the program is: at once, or in flight when all vehicles are down;
     ``landed`` is then given the summary, and gives the exit code.
     """
+    out, err = sys.stdout, sys.stderr
 
     def give_up(failure: CodeFailed) -> NoReturn:
         code = UserError.exit_code
@@ -57,7 +59,7 @@ def user_code(
             code = 1
             sys.excepthook(*sys.exc_info())
         finally:
-            leave(code)
+            leave(written_code(code, out, err))
 
     limit = CallLimit(seconds, give_up)
     with Interrupts(last=1), limit, _apart():

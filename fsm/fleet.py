@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from fsm.chart.graph import Graph
+from fsm.checks.messages import undelivered
 from fsm.compiler.parameters import constant_value
 from fsm.expressions.compiled import compile_expression
 from fsm.expressions.literals import Context
@@ -80,7 +81,8 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
 
 def check_fleet(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Faults:
     """The faults of a fleet that its compiled missions show: parameters, names, `until`."""
-    faults, scope = Faults(), Scope()
+    faults = Faults()
+    scope = Scope(warnings=faults)
     for name in spec.names - {member.name.text for member in spec.members}:
         # Its mission cannot be read, which is a fault already.
         scope.names[name] = Binding(name, "host", ANY)
@@ -93,9 +95,12 @@ def check_fleet(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Faults:
         with faults.collecting():
             name, where = member.name.text, member.name.where
             scope.declare(Binding(name, "host", host, where=where), where)
+        if graph is not None:
+            for name, receiver in graphs.items():
+                faults.extend(undelivered(graph, receiver, name))
     if spec.until is not None:
         with faults.collecting():
-            compile_expression(spec.until.text, start(spec.until), scope, BOOL)
+            compile_expression(spec.until.text, start(spec.until), scope, BOOL, condition=True)
     return faults
 
 

@@ -12,6 +12,9 @@ from typing import Any, Literal, Protocol
 
 from fsm.values.types import Type
 
+PERIOD = 0.025
+"""Seconds of one mission period."""
+
 Reaction = Literal["none", "land", "suspend", "resume"]
 """The host's reaction to an event that no active state handles: none, end the mission with a
 landing, or suspend the mission until an event whose reaction is to resume it."""
@@ -50,11 +53,18 @@ class BehaviorInfo:
     ends_landed: bool = False
     """Every ``done`` leaves the vehicle on the ground."""
     takes_off: bool = False
-    """It may leave the ground; a landed vehicle stays there under any other behaviour."""
+    """Every ``done`` leaves it in the air."""
+    needs_flight: bool = False
+    """It moves a vehicle that is in the air already."""
     on_trust: bool = False
     """Only its name is known: it is not checked how a graph uses it."""
     implementation: Any = None
     """The host's own object, from which it starts the behaviour."""
+
+    @property
+    def may_take_off(self) -> bool:
+        """Whether it may leave the ground; a landed vehicle stays there under any other."""
+        return self.takes_off or "takeoff" in self.requires
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,10 @@ from typing import Any, Self
 
 from fsm.chart.graph import Graph
 from fsm.engine.instance import Instance, Record
-from fsm.host import BehaviorInfo, Outcome
+from fsm.host import PERIOD, BehaviorInfo, Outcome
 from fsm.values.types import Bool, ListOf, MapOf, Number, PointType, Text, Type
 from vencejo.errors import nearest
 from vencejo.geometry import Point
-
-PERIOD = 0.025
-"""The mission period of a trial, seconds."""
 
 
 @dataclass(frozen=True)

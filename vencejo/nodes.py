@@ -9,7 +9,6 @@ repeated keys, explicit tags and keys that are no plain text are refused.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +16,7 @@ from pathlib import Path
 import yaml
 
 from vencejo.errors import UserError, Where
+from vencejo.yaml_errors import control_character, place_in, syntax_error
 
 MAX_BYTES = 1 << 20
 MAX_NODES = 10_000
@@ -100,9 +100,7 @@ def read_file(path: Path, shown_as: str | None = None) -> Mapping:
             raise UserError("too-large", "the file is larger than 1 MiB", place)
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise UserError(
-            "not-text", f"the file is no UTF-8 text (byte {error.start})", place
-        ) from None
+        raise _not_utf8(data, error.start, name) from None
     except (FileNotFoundError, ValueError):
         raise UserError("no-such-file", f"there is no file '{name}'", place) from None
     except IsADirectoryError:
@@ -123,7 +121,8 @@ def read_text(text: str, file: str) -> Mapping:
         size = len(text.encode())
     except UnicodeEncodeError as error:
         message = f"the text holds what is no letter (position {error.start})"
-        raise UserError("not-text", message, Where(file)) from None
+        hint = "remove half of a surrogate pair"
+        raise UserError("not-text", message, place_in(text, error.start, file), hint) from None
     if size > MAX_BYTES:
         raise UserError("too-large", "the text is larger than 1 MiB", Where(file))
     root = _Builder(file, text).build()
@@ -134,6 +133,16 @@ def read_text(text: str, file: str) -> Mapping:
             "not-a-map", f"the file must be a map of keys and values, not {kind(root)}", root.where
         )
     return root
+
+
+def _not_utf8(data: bytes, position: int, file: str) -> UserError:
+    """The error of a file in another encoding than UTF-8, at its first byte that shows it."""
+    before = data[:position].decode("utf-8-sig", "replace")
+    place = place_in(before, len(before), file)
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return UserError("not-text", "the file is UTF-16, not UTF-8", place, "save it as UTF-8")
+    hint = f"save it as UTF-8; in Latin-1 this would be '{chr(data[position])}'"
+    return UserError("not-text", "the file is no UTF-8 text from here on", place, hint)
 
 
 @dataclass(slots=True)
@@ -164,9 +173,12 @@ class _Builder:
             for event in yaml.parse(self.text, Loader=_PARSER):
                 self._take(event)
         except yaml.MarkedYAMLError as error:
-            raise _syntax_error(error, self.file, self.text) from None
+            raise syntax_error(error, self.file, self.text) from None
         except yaml.YAMLError as error:
-            raise UserError("bad-yaml", f"this is no YAML: {error}", Where(self.file)) from None
+            # The reader's own: a character that may stand nowhere.
+            raise control_character(self.text, self.file) or UserError(
+                "bad-yaml", f"this is no YAML: {error}", Where(self.file, 1, 1)
+            ) from None
         return self.root
 
     def _place(self, event: yaml.Event) -> Where:
@@ -282,34 +294,3 @@ def _merged(node: YamlNode) -> list[tuple[Scalar, YamlNode]]:
                 names.add(key.text)
                 entries.append((key, value))
     return entries
-
-
-def _syntax_error(error: yaml.MarkedYAMLError, file: str, text: str) -> UserError:
-    """The error of the YAML parser, with a hint to the remedy where the cause is known."""
-    mark = error.problem_mark or error.context_mark
-    line, column = (mark.line, mark.column) if mark else (0, 0)
-    lines = text.splitlines()
-    source = lines[line] if line < len(lines) else ""
-    indent = source[: len(source) - len(source.lstrip())]
-    previous = lines[line - 1] if 0 < line <= len(lines) else ""
-    hint: str | None = None
-    if "\t" in indent or "\t" in previous[: len(previous) - len(previous.lstrip())]:
-        return UserError(
-            "tab-indent",
-            "a tab stands in the indentation",
-            Where(file, line + 1, indent.find("\t") + 1 if "\t" in indent else column + 1),
-            "indent with spaces; YAML allows no tabs there",
-        )
-    if re.search(r"[{,\[:]\s*\$\{", source):
-        hint = '`${…}` inside `{ }` or `[ ]` needs quotes: "${…}"'
-    elif re.search(r"(^|[\s{,])\*\s*:", source):
-        hint = 'an event that takes all is written "*", with quotes'
-    elif "[" in source and "{" in source:
-        hint = "inside `{ }` a key or text with `[`, `{` or `,` needs quotes, or use block style"
-    elif re.search(r":\s[^{\['\"]*:\s", source):
-        hint = "a text that contains `: ` needs quotes"
-    problem = error.problem or "the text cannot be read"
-    context = f" {error.context}" if error.context else ""
-    return UserError(
-        "bad-yaml", f"this is no YAML: {problem}{context}", Where(file, line + 1, column + 1), hint
-    )

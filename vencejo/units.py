@@ -116,7 +116,9 @@ def _derived() -> dict[str, tuple[float, Dimension]]:
 UNITS: dict[str, tuple[float, Dimension]] = _derived()
 """Every unit by its name: its size in SI and its dimension."""
 
-NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+UNSIGNED = r"(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+"""A decimal number; with a leading zero (`010`) it is a text."""
+NUMBER = rf"[+-]?{UNSIGNED}"
 _NUMBER = re.compile(NUMBER)
 _QUANTITY = re.compile(rf"({NUMBER})\s*(%|[A-Za-z][A-Za-z0-9/^]*)")
 _UNIT_WORD = re.compile(r"[a-zA-Z%°µ]")
@@ -153,7 +155,7 @@ def read_quantity(text: str, dimension: Dimension, where: Where | None = None) -
     number = parse_number(text)
     if number is not None:
         return float(number)
-    example = f"write {NAMES.get(dimension, 'it')} like {EXAMPLES.get(dimension, '1.0')}"
+    example = example_of(dimension)
     quantity = parse_quantity(text)
     if quantity is None:
         match = re.match(rf"{NUMBER}\s*(.*)", text)
@@ -165,6 +167,8 @@ def read_quantity(text: str, dimension: Dimension, where: Where | None = None) -
                 where,
                 nearest(match[1], known, otherwise=f"{example} ({', '.join(known)})"),
             )
+        if re.match(r"[+-]?0[0-9]", text):
+            example = f"a number has no leading zero; {example}"
         raise UserError("wrong-type", f"'{text}' is not {dimension}", where, example)
     value, found = quantity
     if found != dimension:
@@ -175,6 +179,11 @@ def read_quantity(text: str, dimension: Dimension, where: Where | None = None) -
             example,
         )
     return value
+
+
+def example_of(dimension: Dimension) -> str:
+    """A hint that shows how a quantity is written: ``write a time like 10 s``."""
+    return f"write {NAMES.get(dimension, 'it')} like {EXAMPLES.get(dimension, '1.0')}"
 
 
 def format_quantity(value: float, dimension: Dimension | None) -> str:

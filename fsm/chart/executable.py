@@ -7,7 +7,7 @@ protocol :class:`Runtime` is all that an action may use of the interpreter.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 from fsm.expressions.compiled import Compiled
@@ -101,6 +101,22 @@ ActionFunction = Callable[[Runtime, EventFields], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Message:
+    """An event that an action raises, sends or takes back, as far as known before the flight."""
+
+    event: str
+    """The event's name; empty for a `cancel`, which names an id only."""
+    where: Where
+    """The place of the name."""
+    to: str = ""
+    """The vehicle that it is sent to; empty for its own."""
+    id_: str | None = None
+    """What `cancel` calls it; None where that is only known in flight."""
+    fields: Mapping[str, Compiled] = field(default_factory=dict)
+    """The fields that are given to another vehicle, each as an untyped value."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Action:
     """One step of an action block, ready to run."""
 
@@ -109,8 +125,13 @@ class Action:
     run: ActionFunction
     node: YamlNode | None = None
     """The value behind its word in the file, to show it."""
-    event: str = ""
-    """The event that it raises or sends to its own mission; empty for none."""
+    message: Message | None = None
+    """The event that it raises, sends or cancels; None for other actions."""
+
+    @property
+    def event(self) -> str:
+        """The event that it raises or sends to its own mission; empty for none."""
+        return self.message.event if self.message and not self.message.to else ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from transitions.core import Condition, EventData, State, Transition
 
 from fsm.chart.digest import Element, digest_of
 from fsm.chart.draft import Draft, StateDraft, TransitionDraft
-from fsm.chart.executable import Action, Data, Given, Invocation, Record, Runtime
+from fsm.chart.executable import Action, Data, Given, Invocation, Message, Record, Runtime
 from fsm.chart.nesting import Nested, domain_of
 from fsm.expressions.compiled import Compiled
 from fsm.host import Parameter, Vocabulary
@@ -293,8 +293,12 @@ class Graph:
     """Declared events with the types of their fields."""
     world: str | None
     """The world that the mission names."""
+    places: Mapping[str, Any]
+    """The mission's own places, in the mission frame."""
     outer_first: bool
     """True when outer states take precedence over inner ones in selection."""
+    messages: tuple[Message, ...] = ()
+    """The events that its actions raise, send and cancel."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     """`transitions`' word for callbacks that take the event's data as their only argument."""

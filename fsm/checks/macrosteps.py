@@ -111,7 +111,7 @@ class Macrosteps:
         self._takeoffs = [
             (self._inside[node.index], can.ended(node))
             for node in graph.nodes
-            if node.invocation and node.invocation.behavior.takes_off
+            if node.invocation and node.invocation.behavior.may_take_off
         ]
         self._finishing = [node for node in graph.nodes if self._is_heard_to_finish(node)]
         """The parallel states whose end some transition takes."""

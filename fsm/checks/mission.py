@@ -9,18 +9,21 @@ from collections.abc import Collection, Iterator
 from functools import partial
 
 from fsm.chart.entry_sets import default_entry
-from fsm.chart.graph import Edge, Graph, Node
+from fsm.chart.graph import After, Edge, Graph, Node
+from fsm.checks.messages import unheard
 from fsm.checks.structure import (
     dead_alternatives,
+    dead_timers,
     endless_always,
     endless_states,
+    late_timers,
+    never_taken,
+    reachable,
+    repeated_conditions,
     unreachable,
 )
-from fsm.host import Vocabulary, matches
+from fsm.host import PERIOD, Vocabulary, matches
 from vencejo.errors import Fault
-
-PERIOD = 0.025
-"""Seconds of one mission period."""
 
 
 def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
@@ -29,23 +32,34 @@ def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
     ``flawed`` are states whose transitions have faults already; faults that may be mere
     consequences of those are left out.
     """
+    late = late_timers(graph)
     missed = (*_unhandled_outcomes(graph), *endless_states(graph, _can_finish))
     doubtful = {node.where for node in graph.nodes if _in_doubt(node, flawed)}
     return [
         *(fault for fault in missed if fault.where not in doubtful),
-        *(() if flawed else (*unreachable(graph), *_never_done(graph))),
+        *(() if flawed else _whole(graph, late)),
         *_companions(graph),
         *_two_owners(graph),
         *_region_restarts(graph),
         *dead_alternatives(graph, partial(_covers, graph.vocabulary)),
         *endless_always(graph),
         *_durations(graph),
+        *_holds(graph),
+        *dead_timers(late),
+        *repeated_conditions(graph),
         *_final_regions(graph),
         *_restarting_histories(graph),
         *_always_on_the_world(graph),
         *_hidden_handlers(graph),
         *_left_landings(graph),
     ]
+
+
+def _whole(graph: Graph, late: Collection[After]) -> Iterator[Fault]:
+    """Faults that only a graph shows all of whose transitions are known."""
+    yield from unreachable(graph, reachable(graph, never_taken(graph, late)))
+    yield from _never_done(graph)
+    yield from unheard(graph)
 
 
 def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:
@@ -205,6 +219,21 @@ def _durations(graph: Graph) -> Iterator[Fault]:
                     "write one duration with a list of alternatives",
                 )
             seen[seconds] = after.duration.source
+
+
+def _holds(graph: Graph) -> Iterator[Fault]:
+    for node in graph.nodes:
+        for when in node.whens:
+            for edge in when.edges:
+                hold = edge.hold
+                if hold is not None and hold.constant and float(hold.value()) < PERIOD:
+                    yield Fault(
+                        "short-duration",
+                        f"'{hold.source}' is shorter than a mission period (25 ms)",
+                        hold.where,
+                        "leave `for` out: the condition is tested once a period",
+                        severity="warning",
+                    )
 
 
 def _final_regions(graph: Graph) -> Iterator[Fault]:

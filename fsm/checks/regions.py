@@ -64,7 +64,7 @@ class _Alone:
         if node.invocation:
             behavior = node.invocation.behavior
             words |= {*behavior.outcomes, "failed"}
-            if behavior.ends_landed or behavior.takes_off:
+            if behavior.ends_landed or behavior.may_take_off:
                 return True
         if words and ("*" in heard or words & heard):
             return True

@@ -4,12 +4,17 @@ or left, transitions that can never be taken.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import islice, pairwise
 
 from fsm.chart.entry_sets import default_entry
-from fsm.chart.graph import Edge, Graph, Node
+from fsm.chart.graph import After, Edge, Graph, Node
+from fsm.expressions.compiled import Compiled
 from vencejo.errors import Fault
+
+_FLIPPED = re.compile(r"\(([^\s()]+) >(=?) ([^\s()]+)\)")
+"""Compiled code of `a > b`, which says the same as `b < a`."""
 
 
 def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator[Fault]:
@@ -20,7 +25,7 @@ def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator
     moves = [any(edge.domain is not None for edge in node.edges()) for node in graph.nodes]
     leading_out = _regions_leading_out(graph)
     for node in graph.nodes:
-        if node.children or node.type in ("final", "history"):
+        if node.children or node.type in ("final", "history", "compound"):
             continue
         if node.parent is graph.root and graph.root.type == "parallel" and can_finish(node):
             continue
@@ -58,11 +63,6 @@ def _regions_leading_out(graph: Graph) -> dict[int, list[Node]]:
     }
 
 
-def leaves(edge: Edge, node: Node) -> bool:
-    """Whether a transition leaves a state."""
-    return edge.domain is not None and (edge.domain.contains(node) or edge.domain is node)
-
-
 def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
     yield from (edges for _, edges in node.on)
     yield from (when.edges for when in node.whens)
@@ -71,12 +71,17 @@ def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
 
 
 def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Iterator[Fault]:
-    """Transitions that are never taken because one before them takes all their events.
+    """Transitions that are never taken because one before them takes all their events, or has the
+    same guard.
 
     ``covers`` says whether its first pattern takes all events of its second.
     """
     for node in graph.nodes:
         for edges in _groups(node):
+            if len(edges) < 2:
+                continue
+            guards = [edge.guard for edge in edges if edge.guard is not None and not edge.hold]
+            yield from _repeated(guards, "guard")
             for earlier, later in pairwise(edges):
                 if earlier.guard is None and earlier.hold is None:
                     yield Fault(
@@ -142,8 +147,99 @@ def _entered(edge: Edge) -> Node | None:
     return node
 
 
-def unreachable(graph: Graph) -> Iterator[Fault]:
-    """States that no transition leads to; guards are taken to pass."""
+def never_taken(graph: Graph, late: Iterable[After]) -> set[Edge]:
+    """The transitions that are never taken: by constant conditions, or by ``late`` timers."""
+    found: set[Edge] = set()
+    for node in graph.nodes:
+        for edge in node.edges():
+            if edge.guard is not None and _is_false(edge.guard):
+                found.add(edge)
+        for when in node.whens:
+            if _is_false(when.condition):
+                found.update(when.edges)
+    for after in late:
+        found.update(after.edges)
+    return found
+
+
+def _is_false(condition: Compiled) -> bool:
+    return condition.constant and condition.value() is False
+
+
+def dead_timers(late: Mapping[After, After]) -> Iterator[Fault]:
+    """Timers of a state that is sure to be left before they are due, each by another."""
+    for after, earlier in late.items():
+        yield Fault(
+            "dead-timer",
+            f"'{after.duration.source}' never comes: '{earlier.duration.source}' "
+            f"({earlier.duration.where}) leaves the state before",
+            after.duration.where,
+            "make it shorter, or remove it",
+            severity="warning",
+        )
+
+
+def late_timers(graph: Graph) -> dict[After, After]:
+    """The timers that never come, each with one that is sure to leave its state before."""
+    found: dict[After, After] = {}
+    for node in graph.nodes:
+        if not node.afters:
+            continue
+        around = [place for place in (node, *node.ancestors) if place.afters]
+        for after in node.afters if len(node.afters) > 1 or len(around) > 1 else ():
+            seconds = _seconds(after)
+            earlier = (a for place in around for a in place.afters if _leaves(a, seconds, place))
+            first = None if seconds is None else next(earlier, None)
+            if first is not None:
+                found[after] = first
+    return found
+
+
+def _seconds(after: After) -> float | None:
+    return float(after.duration.value()) if after.duration.constant else None
+
+
+def _leaves(after: After, seconds: float | None, node: Node) -> bool:
+    """Whether a timer of a state is sure to leave it before so many seconds have passed."""
+    due = _seconds(after)
+    if due is None or seconds is None or due >= seconds:
+        return False
+    for edge in after.edges:
+        if edge.domain is None or not edge.domain.contains(node):
+            return False
+        if edge.guard is None:
+            return True
+    return False
+
+
+def repeated_conditions(graph: Graph) -> Iterator[Fault]:
+    """Conditions of a state that say the same as one before them."""
+    for node in graph.nodes:
+        if len(node.whens) > 1:
+            yield from _repeated([when.condition for when in node.whens], "condition")
+
+
+def _repeated(conditions: Sequence[Compiled], what: str) -> Iterator[Fault]:
+    first: dict[str, Compiled] = {}
+    for condition in conditions:
+        said = _FLIPPED.sub(r"(\3 <\2 \1)", condition.code)
+        known = first.setdefault(said, condition) if said else condition
+        if known is not condition:
+            yield Fault(
+                "same-condition",
+                f"this {what} says the same as '{known.source}' above it ({known.where})",
+                condition.where,
+                "write one condition, with a list of alternatives"
+                if what == "condition"
+                else "this alternative is never reached: change its guard, or remove it",
+                severity="warning",
+            )
+
+
+def reachable(graph: Graph, dead: Collection[Edge] = ()) -> set[int]:
+    """The indices of the states that transitions lead to; guards are taken to pass, and ``dead``
+    transitions are never taken.
+    """
     reached: set[int] = set()
     pending: list[Node] = [graph.root]
 
@@ -158,8 +254,13 @@ def unreachable(graph: Graph) -> Iterator[Fault]:
         reach(node.ancestors)
         reach(default_entry(node))
         for edge in node.edges():
-            for target in edge.targets:
+            for target in edge.targets if edge not in dead else ():
                 reach((target, *(target.initial if target.type == "history" else ())))
+    return reached
+
+
+def unreachable(graph: Graph, reached: Collection[int]) -> Iterator[Fault]:
+    """States that are not among those ``reached``."""
     for node in graph.nodes:
         inside_unreached = node.parent is not None and node.parent.index not in reached
         if node.index not in reached and not inside_unreached:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NoReturn
 
-from fsm.chart.executable import Action, ActionFunction, EventFields, Runtime
+from fsm.chart.executable import Action, ActionFunction, EventFields, Message, Runtime
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, collecting, read_value
 from fsm.expressions.scope import Binding
@@ -52,9 +52,10 @@ class Environment:
 
 def compile_action(spec: ActionSpec, environment: Environment) -> Action:
     """Compile an action. Raises UserError."""
-    run = _COMPILERS[spec.kind](spec, environment)
-    event, _ = raised(spec) or ("", ())
-    return Action(spec.kind, spec.where, run, spec.node, event)
+    if spec.kind in _SPEAKERS:
+        run, message = _SPEAKERS[spec.kind](spec, environment)
+        return Action(spec.kind, spec.where, run, spec.node, message)
+    return Action(spec.kind, spec.where, _COMPILERS[spec.kind](spec, environment), spec.node)
 
 
 def _log(spec: ActionSpec, environment: Environment) -> ActionFunction:
@@ -106,7 +107,7 @@ def _assignment(
     if spec.kind == "append":
         if not fits(ListOf(), place):
             _mistyped(name, f"'{name.text}' is {place}, and only a list can be appended to")
-        place = ANY
+        place = place.item if isinstance(place, ListOf) else ANY
     value = read_value(node, place, context)
     if not fits(place, value.type):
         _mistyped(name, f"'{name.text}' is {place}, not {value.type}")
@@ -176,21 +177,21 @@ def _event_name(node: YamlNode | None, where: Where) -> str:
     return name
 
 
-def _raise(spec: ActionSpec, environment: Environment) -> ActionFunction:
-    node = spec.node
+def _raise(spec: ActionSpec, environment: Environment) -> tuple[ActionFunction, Message]:
+    node, place = spec.node, spec.node.where
     body: YamlNode | None = None
     if isinstance(node, MapNode):
         if len(node.entries) != 1:
             raise UserError("wrong-type", "`raise` names one event", node.where)
         key, body = node.entries[0]
-        name = _event_name(key, key.where)
+        name, place = _event_name(key, key.where), key.where
     else:
         name = _event_name(node, node.where)
     fields = _fields(body, environment.events.get(name, {}), environment.context, node.where)
-    return lambda i, e: i.raise_event(name, fields(i.slots, e))
+    return lambda i, e: i.raise_event(name, fields(i.slots, e)), Message(name, place)
 
 
-def _send(spec: ActionSpec, environment: Environment) -> ActionFunction:
+def _send(spec: ActionSpec, environment: Environment) -> tuple[ActionFunction, Message]:
     context = environment.context
     node = _map(spec.node, "send")
     for key, _ in node:
@@ -205,6 +206,14 @@ def _send(spec: ActionSpec, environment: Environment) -> ActionFunction:
     delay_node, id_node = node.get("delay"), node.get("id")
     delay = read_value(delay_node, Number(TIME, 0.0), context) if delay_node else None
     id_ = read_value(id_node, TEXT, context) if id_node else None
+    named = node.get("event")
+    message = Message(
+        name,
+        named.where if named else node.where,
+        to,
+        _constant_text(id_) if id_ else name,
+        _untyped(node.get("with"), context) if to else {},
+    )
 
     def run(instance: Runtime, event: EventFields) -> None:
         slots = instance.slots
@@ -216,7 +225,17 @@ def _send(spec: ActionSpec, environment: Environment) -> ActionFunction:
             to,
         )
 
-    return run
+    return run, message
+
+
+def _constant_text(text: Compiled) -> str | None:
+    return text.value() if text.constant else None
+
+
+def _untyped(node: YamlNode | None, context: Context) -> dict[str, Compiled]:
+    """The fields of an event whose types another mission says."""
+    entries = node.entries if isinstance(node, MapNode) else []
+    return {key.text: read_value(value, ANY, context) for key, value in entries}
 
 
 def _receiver(node: YamlNode | None, context: Context) -> str:
@@ -264,17 +283,19 @@ def _call(spec: ActionSpec, environment: Environment) -> ActionFunction:
     return run
 
 
-def _cancel(spec: ActionSpec, environment: Environment) -> ActionFunction:
+def _cancel(spec: ActionSpec, environment: Environment) -> tuple[ActionFunction, Message]:
     id_ = read_value(spec.node, TEXT, environment.context)
-    return lambda i, e: i.cancel(id_(i.slots, e))
+    message = Message("", spec.node.where, id_=_constant_text(id_))
+    return lambda i, e: i.cancel(id_(i.slots, e)), message
 
 
 _COMPILERS: Mapping[ActionKind, Callable[[ActionSpec, Environment], ActionFunction]] = {
     "set": _set,
     "append": _append,
-    "raise": _raise,
-    "send": _send,
-    "cancel": _cancel,
     "log": _log,
     "call": _call,
 }
+_SPEAKERS: Mapping[
+    ActionKind, Callable[[ActionSpec, Environment], tuple[ActionFunction, Message]]
+] = {"raise": _raise, "send": _send, "cancel": _cancel}
+"""The actions whose messages the checks look at."""

@@ -16,7 +16,15 @@ from fsm.compiler.parameters import constant_value, named_type, read_parameter, 
 from fsm.compiler.tree import Tree
 from fsm.expressions.compiled import Compiled
 from fsm.expressions.literals import Context, read_value
-from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT, Binding, Define, Scope, Size
+from fsm.expressions.scope import (
+    FIRST_HOST_SLOT,
+    PERIOD_SLOT,
+    TIME_SLOT,
+    Binding,
+    Define,
+    Scope,
+    Size,
+)
 from fsm.faults import Faults
 from fsm.host import Parameter, Vocabulary
 from fsm.language.spec import ActionSpec, MissionSpec, Named, StateSpec
@@ -79,8 +87,9 @@ class Declarations:
         return {state.path.removeprefix(around): state.index for state in inside}
 
     def _host_scope(self) -> Scope:
-        scope = Scope(size=self._size)
+        scope = Scope(warnings=self.faults, size=self._size)
         scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
+        scope.names["dt"] = Binding("dt", "host", Number(TIME), PERIOD_SLOT)
         for index, (name, type_) in enumerate(self.vocabulary.names.items()):
             scope.names[name] = Binding(name, "host", type_, FIRST_HOST_SLOT + index)
         return scope
@@ -89,7 +98,7 @@ class Declarations:
         for place in spec.places:
             value: Any = Point(0.0, 0.0, 0.0)
             with self.faults.collecting():
-                context = names.context(Scope())
+                context = names.context(Scope(warnings=self.faults))
                 value = constant_value(place.node, NAMED["point"], context).value()
             names.places[place.name.text] = value
 
@@ -98,7 +107,8 @@ class Declarations:
             name, where = named.name.text, named.name.where
             parameter = Parameter(name, ANY)
             with self.faults.collecting():
-                parameter = read_parameter(named, names.context(Scope()), self.faults)
+                context = names.context(Scope(warnings=self.faults))
+                parameter = read_parameter(named, context, self.faults)
             slot = self.slot()
             with self.faults.collecting():
                 scope.declare(Binding(name, "parameter", parameter.type, slot, where), where)

@@ -15,8 +15,9 @@ from itertools import combinations
 from types import MappingProxyType
 
 from fsm.chart.draft import StateDraft, TransitionDraft, compatible
-from fsm.chart.executable import Action, Given
+from fsm.chart.executable import Action, Given, Message
 from fsm.chart.graph import Graph, build_nodes
+from fsm.checks.flying import check_way
 from fsm.checks.mission import check
 from fsm.compiler.actions import Environment, compile_action
 from fsm.compiler.declarations import Declarations
@@ -44,6 +45,8 @@ from vencejo.units import TIME
 
 __all__ = ["compile_mission", "parse_parameters"]
 
+DURATION = Number(TIME, min=0.0)
+
 
 def compile_mission(
     spec: MissionSpec, vocabulary: Vocabulary, found: Iterable[Fault] = ()
@@ -69,8 +72,10 @@ def compile_mission(
         slots=names.slots,
         events=MappingProxyType(own.known_events),
         world=spec.world.text if spec.world else None,
+        places=MappingProxyType(own.places),
         outer_first=spec.outer_first,
         source=spec,
+        messages=tuple(compiler.messages),
     )
     faults.extend(check(graph, {graph.nodes[state.index] for state in compiler.flawed}))
     # A define's mistake shows at each of its uses, always at the same place.
@@ -78,7 +83,7 @@ def compile_mission(
     ordered.sort(key=lambda fault: fault.severity)
     if ordered and ordered[0].severity == "error":
         raise UserError.of(ordered)
-    return replace(graph, warnings=(*ordered, *unused(spec)))
+    return replace(graph, warnings=(*ordered, *check_way(graph), *unused(spec)))
 
 
 def pattern_matches(pattern: str, event: str, vocabulary: Vocabulary) -> bool:
@@ -106,6 +111,8 @@ class _Compiler:
         self.events = self.own.known_events
         self.known_outcomes: dict[int, dict[str, Fields | None] | None] = {}
         """What :meth:`outcomes` said of each state that was asked about."""
+        self.messages: list[Message] = []
+        """The events that the actions compiled so far raise, send and cancel."""
         self.flawed: set[StateDraft] = set()
         """States with transitions or children that could not be compiled."""
         self.trusting = any(s.invocation and s.invocation.behavior.on_trust for s in tree.states)
@@ -157,7 +164,7 @@ class _Compiler:
                         condition = expression(key, scope, BOOL)
                         whens.append((condition, self.alternatives(state, trigger, scope)))
                     case "after":
-                        duration = expression(key, scope, Number(TIME))
+                        duration = expression(key, scope, DURATION)
                         afters.append((duration, self.alternatives(state, trigger, scope)))
                     case "always":
                         always.extend(self.alternatives(state, trigger, scope))
@@ -174,7 +181,10 @@ class _Compiler:
                     "choose another for the argument",
                 )
         arguments = dict.fromkeys(define.arguments, ANY)
-        compile_expression(define.body.text, start(define.body), scope, arguments=arguments)
+        body = define.body
+        # `debug: false` is a switch, and meant so.
+        computed = body.text.strip() not in ("true", "false")
+        compile_expression(body.text, start(body), scope, arguments=arguments, condition=computed)
 
     def event_scope(self, state: StateDraft, trigger: TriggerSpec, scope: Scope) -> Scope:
         """The scope of an ``on`` transition, in which ``event`` has the fields of the trigger.
@@ -207,7 +217,7 @@ class _Compiler:
     def require_family(self, key: Scalar) -> None:
         """Raise UserError unless some event matches a pattern such as ``battery.*``."""
         family = key.text[:-1]
-        if not self.trusting and not any(event.startswith(family) for event in self.own.events):
+        if not self.trusting and not any(event.startswith(family) for event in self.events):
             families = {event.split(".")[0] + ".*" for event in self.events}
             message = f"no event begins with '{family}'"
             raise UserError("unknown-event", message, key.where, nearest(key.text, families))
@@ -225,7 +235,7 @@ class _Compiler:
                 "unknown-outcome",
                 f"nothing in this state ends with the outcome '{name}'",
                 key.where,
-                f"did you mean the event '{event}'?" if event else nearest(name, outcomes),
+                f"did you mean the event '{event}'?" if event else _outcome_hint(name, outcomes),
             )
         return outcomes[name]
 
@@ -351,6 +361,13 @@ class _Compiler:
                     continue
                 with self.faults.collecting():
                     values[key][parameter.name] = read_value(named.node, parameter.type, context)
+        for twice in sorted(values["with"].keys() & values["live"].keys()):
+            self.faults.warn(
+                "given-twice",
+                f"'{twice}' stands under `live` and under `with`",
+                values["with"][twice].where,
+                "leave this one out: the value under `live` is the one that counts",
+            )
         given = {named.name.text for named in (*spec.with_, *spec.live)}
         misspelt = given - set(parameters)
         for parameter in parameters.values():
@@ -376,7 +393,10 @@ class _Compiler:
         environment = Environment(context, self.own.events, functions)
         for spec in specs:
             with self.faults.collecting():
-                found.append(compile_action(spec, environment))
+                action = compile_action(spec, environment)
+                found.append(action)
+                if action.message is not None:
+                    self.messages.append(action.message)
         return tuple(found)
 
     def alternatives(
@@ -397,7 +417,7 @@ class _Compiler:
             spec.where,
             reenter=spec.reenter,
             guard=expression(spec.guard, scope, BOOL) if spec.guard else None,
-            hold=expression(spec.hold, scope, Number(TIME)) if spec.hold else None,
+            hold=expression(spec.hold, scope, DURATION) if spec.hold else None,
             actions=self.actions(spec.actions, scope),
             targets=self.targets(state, spec),
             name=spec.name,
@@ -419,8 +439,17 @@ class _Compiler:
 
 
 def expression(scalar: Scalar, scope: Scope, wanted: Type) -> Compiled:
-    """Compile an expression that is written without ``$``. Raises UserError."""
-    return compile_expression(scalar.text, start(scalar), scope, wanted)
+    """Compile a condition or duration, written without ``$``. Raises UserError."""
+    condition = wanted is BOOL
+    return compile_expression(scalar.text, start(scalar), scope, wanted, condition=condition)
+
+
+def _outcome_hint(name: str, outcomes: Iterable[str]) -> str:
+    """All outcomes that there are, and the one that was meant where that is sure."""
+    close = get_close_matches(name, outcomes, n=1, cutoff=0.75)
+    meant = f"did you mean '{close[0]}'? " if close else ""
+    words = ", ".join(sorted(outcomes))
+    return f"{meant}the outcomes here are: {words}" if words else "there are no outcomes here"
 
 
 def _common(known: list[Fields | None]) -> Fields | None:

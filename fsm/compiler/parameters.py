@@ -14,19 +14,24 @@ from fsm.faults import Faults
 from fsm.host import Parameter
 from fsm.language.keys import AT
 from fsm.language.spec import Named
-from fsm.values.types import ANY, NAMED, TEXT, ListOf, Number, Text, Type
+from fsm.values.types import ANY, NAMED, TEXT, ListOf, Mixed, NoneType, Number, Text, Type
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, Sequence, YamlNode, read_text
 
 
-def parse_parameters(graph: Graph, given: Mapping[str, str]) -> dict[str, Any]:
+def parse_parameters(
+    graph: Graph, given: Mapping[str, str], warnings: list[Fault] | None = None
+) -> dict[str, Any]:
     """Values for a graph's parameters from texts (``-p cruise=6m``), with the defaults of others.
 
+    What is doubtful in them is added to ``warnings``.
     Raises UserError for unknown names, values that do not fit, and required ones not given.
     """
     faults: list[Fault] = []
     values: dict[str, Any] = {}
+    scope = Scope(warnings=[] if warnings is None else warnings)
+    context = Context(scope, graph.places, graph.vocabulary.places)
     for name, text in given.items():
         place = Where(f"-p {name}")
         parameter = graph.parameters.get(name)
@@ -37,7 +42,7 @@ def parse_parameters(graph: Graph, given: Mapping[str, str]) -> dict[str, Any]:
             )
             continue
         try:
-            values[name] = _given(text, parameter.type, place)
+            values[name] = _given(text, parameter.type, place, context)
         except UserError as error:
             faults.extend(
                 Fault(f.code, f"{name}={text}: {f.message}", place, f.hint) for f in error.faults
@@ -52,14 +57,14 @@ def parse_parameters(graph: Graph, given: Mapping[str, str]) -> dict[str, Any]:
     return values
 
 
-def _given(text: str, type_: Type, place: Where) -> Any:
+def _given(text: str, type_: Type, place: Where, context: Context) -> Any:
     """The value of a text from the command line."""
     if isinstance(type_, Text):
         # A text needs no quotes there, whatever it holds.
         node: YamlNode = Scalar(text.replace("$", "$$"), place, plain=False)
     else:
         node = read_text(f"value: {text}", str(place)).entries[0][1]
-    return read_value(node, type_, Context()).value()
+    return constant_value(node, type_, context).value()
 
 
 def read_parameter(named: Named, context: Context, faults: Faults) -> Parameter:
@@ -133,16 +138,27 @@ def _bounded(node: MapNode, type_: Type, context: Context, faults: Faults) -> Ty
 
 def constant_value(node: YamlNode, type_: Type, context: Context) -> Compiled:
     """Compile a value that does not change while the mission runs. Raises UserError."""
-    compiled = read_value(node, type_, Context(Scope(), context.places, context.world_places))
+    scope = Scope(warnings=context.scope.warnings)
+    compiled = read_value(node, type_, Context(scope, context.places, context.world_places))
     if not compiled.constant:
         raise UserError("not-constant", "only a plain value may stand here", node.where)
     return compiled
 
 
 def named_type(node: YamlNode, faults: Faults) -> Type | None:
-    """The type that a ``type:`` names; None, with a fault, when there is none of that name."""
+    """The type that a ``type:`` names; None, with a fault, when there is none of that name.
+
+    A list of one type is the type of lists of it: ``[length]``.
+    """
     if isinstance(node, Scalar) and node.text in NAMED:
         return NAMED[node.text]
+    if isinstance(node, Sequence):
+        if len(node.items) == 1:
+            item = named_type(node.items[0], faults)
+            return None if item is None else ListOf(item, f"a list, each {item}")
+        hint = "a list of lengths is [length]"
+        faults.fail("unknown-type", "a typed list names one type", node.where, hint)
+        return None
     text = f"'{node.text}'" if isinstance(node, Scalar) else "this"
     faults.fail("unknown-type", f"{text} is no type", node.where, nearest(text.strip("'"), NAMED))
     return None
@@ -154,6 +170,8 @@ def widened(type_: Type) -> Type:
         return Number(type_.dimension)
     if isinstance(type_, Text):
         return TEXT
+    if isinstance(type_, (NoneType, Mixed)):
+        return ANY
     if isinstance(type_, ListOf):
         return ListOf(widened(type_.item), type_.named)
     return type_

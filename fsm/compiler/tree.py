@@ -88,9 +88,10 @@ class Tree:
     def link(self) -> None:
         """Resolve the initial states and the default targets of history states."""
         for state, spec in zip(self.states, self.specs, strict=True):
-            if state.type == "compound" and not self.lacks(state):
+            misread = spec.flawed and not spec.states
+            if state.type == "compound" and not self.lacks(state) and not misread:
                 state.initial = self.initial(state, spec)
-            elif spec.initial:
+            elif spec.initial and not spec.flawed:
                 self.faults.fail(
                     "misplaced-initial",
                     "only a state with `states` has an initial one",
@@ -104,7 +105,8 @@ class Tree:
         """The state that a default entry of a compound state enters; none when it has none."""
         first = next((child for child in state.children if child.type != "history"), None)
         if first is None:
-            self.faults.fail("no-states", "only history states are in here", state.where)
+            what = "only history states are" if state.children else "no state is"
+            self.faults.fail("no-states", f"{what} in here", state.where, "states: {name: {…}}")
             return ()
         if spec.initial is None:
             return (first,)

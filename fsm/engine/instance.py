@@ -21,8 +21,8 @@ from fsm.engine.events import NOTHING, Event
 from fsm.engine.interpreter import Interpreter
 from fsm.engine.state import Running
 from fsm.engine.waiting import Armed, Timer
-from fsm.expressions.scope import FIRST_HOST_SLOT, TIME_SLOT
-from fsm.host import Outcome, Reaction
+from fsm.expressions.scope import FIRST_HOST_SLOT, PERIOD_SLOT, TIME_SLOT
+from fsm.host import PERIOD, Outcome, Reaction
 from fsm.values.functions import FAILURES, plain
 
 __all__ = ["FAILURES", "Event", "Instance", "Record"]
@@ -74,6 +74,7 @@ class Instance(Interpreter):
         vocabulary's names, in its order; they do not change during the period.
         """
         state, slots = self.state, self.slots
+        slots[PERIOD_SLOT] = now - slots[TIME_SLOT] if state.configuration.states else PERIOD
         slots[TIME_SLOT] = now
         slots[FIRST_HOST_SLOT : FIRST_HOST_SLOT + len(host_values)] = host_values
         if state.suspended_at is not None:

@@ -13,12 +13,15 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fsm.expressions.constants import warn_of_angle
 from fsm.expressions.scope import Scope
 from fsm.expressions.syntax import too_deep
 from fsm.expressions.translator import Translator
-from fsm.values.functions import Budget, bounded
-from fsm.values.types import ANY, Bool, Number, Type, fits
+from fsm.values.conversion import convert
+from fsm.values.functions import FAILURES, Budget, bounded, plain
+from fsm.values.types import ANY, Bool, Number, Type, fits, in_bounds
 from vencejo.errors import UserError, Where
+from vencejo.units import example_of
 
 _SLOT = re.compile(r"s\[(\d+)\]")
 _NUMBER = re.compile(r"\d+\.\d+")
@@ -37,6 +40,8 @@ class Compiled:
     constant: bool = False
     reads: frozenset[str] = frozenset()
     """The kinds of the names it depends on; empty for a literal."""
+    code: str = ""
+    """The code it was translated to: two expressions that say the same have the same."""
 
     def __call__(self, slots: list[Any], event: Mapping[str, Any] | None = None) -> Any:
         """Evaluate it. Raises one of :data:`fsm.values.functions.FAILURES`."""
@@ -57,17 +62,22 @@ def compile_expression(
     scope: Scope,
     wanted: Type = ANY,
     arguments: Mapping[str, Type] | None = None,
+    condition: bool = False,
 ) -> Compiled:
-    """Parse, type and compile an expression. Raises UserError at the very column that is wrong."""
+    """Parse, type and compile an expression. Raises UserError at the very column that is wrong.
+
+    A ``condition`` that is constant is a warning of its scope.
+    """
     arguments = arguments or {}
     translator = Translator(text, where, scope, arguments)
-    code, type_ = translator.translate()
+    code, type_ = translator.translate(condition)
     if not fits(wanted, type_):
         numbers = isinstance(type_, Number) and isinstance(wanted, Number)
         raise UserError(
             "wrong-dimension" if numbers else "wrong-type",
             f"'{text}' is {type_}, but {wanted} is needed here",
             where,
+            _cure(wanted),
         )
     if translator.loops:
         code = f"(lambda b: {code})({translator.use('Budget', Budget)}())"
@@ -75,7 +85,39 @@ def compile_expression(
         code = f"{translator.use('bounded', bounded)}({code})"
     function = _simple(code) or _compiled(code, arguments, translator, where)
     is_constant = not translator.reads and not arguments
-    return Compiled(type_, function, text, where, is_constant, frozenset(translator.reads))
+    if is_constant:
+        _require_fit(function, type_, wanted, where)
+        if isinstance(type_, Number) and type_.dimension is None:
+            warn_of_angle(scope, function([], None), text, wanted, where)
+    return Compiled(
+        type_, function, text, where, is_constant, frozenset(translator.reads), code=code
+    )
+
+
+def _cure(wanted: Type) -> str | None:
+    """A hint that shows what is wanted; None where the message says it all."""
+    if isinstance(wanted, Bool):
+        return "compare it to something"
+    if isinstance(wanted, Number) and wanted.dimension is not None:
+        return example_of(wanted.dimension)
+    return None
+
+
+def _require_fit(function: Evaluator, type_: Type, wanted: Type, where: Where) -> None:
+    """Refuse a constant without a value, or whose value cannot stand in its place."""
+    try:
+        value = function([], None)
+    except FAILURES as error:
+        message = f"this has no value: {plain(error)}"
+        raise UserError("no-value", message, where, "correct the constant") from None
+    try:
+        in_bounds(wanted, value)
+        if not isinstance(type_, Number):
+            convert(value, wanted)
+    except UserError as error:
+        raise UserError(error.code, error.faults[0].message, where, _cure(wanted)) from None
+    except FAILURES as error:
+        raise UserError("wrong-type", plain(error), where) from None
 
 
 def _simple(code: str) -> Evaluator | None:
@@ -93,7 +135,7 @@ def _simple(code: str) -> Evaluator | None:
 def _compiled(
     code: str, arguments: Iterable[str], translator: Translator, where: Where
 ) -> Evaluator:
-    names = ", ".join(["s", "e", *(f"a_{name}" for name in arguments)])
+    names = "s, e" + "".join([f", a_{name}" for name in arguments])
     try:
         # `code` is made of our own pieces only: see the module's docstring.
         source = compile(f"lambda {names}: {code}", f"<{where}>", "eval")

@@ -14,6 +14,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from fsm.expressions.compiled import Compiled, Evaluator, compile_expression, constant
+from fsm.expressions.constants import warn_of_angle
 from fsm.expressions.scope import Scope
 from fsm.expressions.templates import NAME, Inserted, formatted, pieces
 from fsm.values.conversion import HEADING_WORDS, POINT_FORMS, converted, point_of
@@ -103,11 +104,14 @@ def _read_scalar(node: Scalar, place: Type, context: Context) -> Compiled:
     return reader(node, place, context)
 
 
-def _number(node: Scalar, place: Number, _: Context) -> Compiled:
+def _number(node: Scalar, place: Number, context: Context) -> Compiled:
     """A number, or a quantity of the place's dimension; of any where the place has none."""
     text, where = node.text, node.where
     if place.dimension is not None:
-        return constant(read_quantity(text, place.dimension, where), place, where, text)
+        value = read_quantity(text, place.dimension, where)
+        if parse_number(text) is not None:
+            warn_of_angle(context.scope, value, text, place, where)
+        return constant(value, place, where, text)
     quantity = parse_quantity(text)
     if quantity:
         return constant(quantity[0], Number(quantity[1]), where, text)
@@ -135,13 +139,16 @@ def _text(node: Scalar, place: Text, _: Context) -> Compiled:
     return constant(text, place, node.where, text)
 
 
-def _heading(node: Scalar, place: HeadingType, _: Context) -> Compiled:
+def _heading(node: Scalar, place: HeadingType, context: Context) -> Compiled:
     text, where = node.text, node.where
     if text in HEADING_WORDS:
         return constant(text, place, where, text)
-    if parse_number(text) is None and parse_quantity(text) is None:
+    number = parse_number(text)
+    if number is None and parse_quantity(text) is None:
         hint = "write an angle (90 deg), keep, travel or {face: point}"
         raise UserError("wrong-type", f"'{text}' is no heading", where, hint)
+    if number is not None:
+        warn_of_angle(context.scope, number, text, place, where)
     return constant(read_quantity(text, ANGLE, where), place, where, text)
 
 
@@ -218,6 +225,9 @@ def _template(node: Scalar, parts: list[str | Inserted], context: Context) -> Co
             functions.append(lambda s, e, text=part: text)  # type: ignore[misc]
         else:
             value = compile_expression(part.source, part.where, context.scope)
+            if part.format and not isinstance(value.type, (Number, AnyType)):
+                message = f"'{part.source}' is {value.type}, and a number format follows it"
+                raise UserError("wrong-type", message, part.where, "leave the format out")
             functions.append(formatted(value.function, part.format))
     return Compiled(
         TEXT,
@@ -295,6 +305,7 @@ def _read_sequence(node: Sequence, place: Type, context: Context) -> Compiled:
             return _built(items, point_of, POINT, node.where)
         case ListOf(item=item_type):
             if place == ROUTE:
+                _warn_of_no_points(node, context)
                 types: list[Type] = [
                     WAYPOINT if isinstance(item, MapNode) and item.get("at") else POINT
                     for item in node.items
@@ -312,6 +323,12 @@ def _read_sequence(node: Sequence, place: Type, context: Context) -> Compiled:
             return _built(items, list, _list_type(items, ListOf()), node.where)
         case _:
             raise _wrong(node, place)
+
+
+def _warn_of_no_points(node: Sequence, context: Context) -> None:
+    if not node.items:
+        hint = "points: [[4, 0, 3], [4, 4, 3]]"
+        context.scope.warn("empty-route", "this route has no points", node.where, hint)
 
 
 def _list_type(items: list[Compiled], otherwise: Type) -> Type:

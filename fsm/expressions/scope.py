@@ -13,7 +13,7 @@ from typing import Literal
 
 from fsm.values.functions import FUNCTIONS
 from fsm.values.types import ANY, MapOf, Number, Type
-from vencejo.errors import UserError, Where
+from vencejo.errors import Fault, UserError, Where
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
@@ -21,7 +21,8 @@ RESERVED = frozenset([*keyword.kwlist, "true", "false", "null", "none", "event",
 """Words with a meaning of their own in expressions."""
 TIME_SLOT = 0
 CONFIGURATION_SLOT = 1
-FIRST_HOST_SLOT = 2
+PERIOD_SLOT = 2
+FIRST_HOST_SLOT = 3
 MAX_PARTS = 80_000
 """The most parts of all expressions of a mission."""
 EXPRESSION = 5
@@ -87,6 +88,8 @@ class Scope:
     """Paths of all states of the graph, for ``active('a.b')``."""
     entered_slot: int = -1
     """The slot of the time at which this scope's state was entered."""
+    warnings: list[Fault] = field(default_factory=list)
+    """What is doubtful in the expressions compiled here; scopes inside share the list."""
     size: Size = field(default_factory=Size)
     """The size of what was compiled here; scopes inside share it."""
 
@@ -154,15 +157,22 @@ class Scope:
         else:
             self.names[thing.name] = thing
 
+    def warn(self, code: str, message: str, where: Where, hint: str) -> None:
+        """Add a warning."""
+        self.warnings.append(Fault(code, message, where, hint, "warning"))
+
     def with_event(self, type_: Type) -> Scope:
         """This scope with ``event``, as an ``on`` transition sees it."""
-        inner = Scope(self, entered_slot=self.entered_slot, size=self.size)
+        inner = self._inner(self.entered_slot)
         inner.names["event"] = Binding("event", "event", type_)
         return inner
 
     def inside(self, entered_slot: int) -> Scope:
         """A scope for a state within this one."""
-        inner = Scope(self, entered_slot=entered_slot, size=self.size)
+        inner = self._inner(entered_slot)
         if self.find("time_in_state") is None:
             inner.names["time_in_state"] = Binding("time_in_state", "entered", Number(TIME))
         return inner
+
+    def _inner(self, entered_slot: int) -> Scope:
+        return Scope(self, entered_slot=entered_slot, warnings=self.warnings, size=self.size)

@@ -9,18 +9,19 @@ from dataclasses import dataclass
 from keyword import iskeyword
 
 from vencejo.errors import UserError, Where, nearest
-from vencejo.units import UNITS, Dimension, in_unit
+from vencejo.units import UNITS, UNSIGNED, Dimension, in_unit
 
 MAX_CHARACTERS = 1000
 MAX_NODES = 200
 
 _UNIT_NAMES = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
-_QUANTITY = re.compile(
-    rf"(?<![\w.])((?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ ]*({_UNIT_NAMES})(?![\w^])"
-)
+_QUANTITY = re.compile(rf"(?<![\w.])({UNSIGNED})[ ]*({_UNIT_NAMES})(?![\w^])")
 _STRING = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
 _PLACEHOLDER = 0x20000
 """The first of the letters (CJK extension B) that replace quantities while Python parses."""
+
+_ADVISED = re.compile(r"\\|[0-9.][A-Za-z_]")
+"""What Python's parser may warn of: escapes in texts, and numbers that touch a word (`5in x`)."""
 
 _FORBIDDEN = re.compile(f"[\0\ud800-\udfff{chr(_PLACEHOLDER)}-\U0010ffff]")
 _LINE_ENDS = str.maketrans("\n\r\f\v", "    ")
@@ -34,6 +35,7 @@ class Parsed:
     quantities: dict[str, tuple[float, Dimension]]
     source: str
     where: Where
+    text: str
 
     @property
     def parts(self) -> int:
@@ -42,9 +44,22 @@ class Parsed:
 
     def place(self, node: ast.AST) -> Where:
         """The place of a part of it in the file."""
-        offset = getattr(node, "col_offset", 1)
-        column = len(self.source.encode()[:offset].decode(errors="ignore")) - 1
-        return self.where.right(max(0, column))
+        return self.where.right(self._column(getattr(node, "col_offset", 1)))
+
+    def words(self, node: ast.expr) -> str:
+        """A part of it as it was written."""
+        if node.end_col_offset is None:
+            return self.text.strip()
+        begin, end = self._column(node.col_offset), self._column(node.end_col_offset)
+        # Of a quantity, Python has seen one letter only.
+        quantity = (
+            _QUANTITY.match(self.text, end - 1) if self.source[end] in self.quantities else None
+        )
+        return self.text[begin : quantity.end() if quantity else end]
+
+    def _column(self, offset: int) -> int:
+        """The column in the text for an offset of Python's, which counts bytes."""
+        return max(0, len(self.source.encode()[:offset].decode(errors="ignore")) - 1)
 
 
 def parse(text: str, where: Where) -> Parsed:
@@ -68,14 +83,11 @@ def parse(text: str, where: Where) -> Parsed:
         # A name or a quantity by itself, as most values and durations are: that is known at once.
         column = 1 + masked.index(word)
         name = ast.Name(word, ast.Load(), lineno=1, col_offset=column)
-        return Parsed(name, quantities, f"({masked})", where)
+        return Parsed(name, quantities, f"({masked})", where, text)
     # One line, in parentheses, so that Python neither minds line ends nor leading blanks.
     source = f"({masked})".translate(_LINE_ENDS)
     try:
-        with warnings.catch_warnings():
-            # Python's own advice (`5in x`) is not for people who write missions.
-            warnings.simplefilter("ignore")
-            tree = ast.parse(source, mode="eval").body
+        tree = _tree(source)
     except SyntaxError as error:
         column = max(0, min((error.offset or 2) - 2, len(text)))
         raise UserError(
@@ -86,7 +98,7 @@ def parse(text: str, where: Where) -> Parsed:
         ) from None
     except (RecursionError, MemoryError, ValueError):
         raise too_deep(where) from None
-    parsed = Parsed(tree, quantities, source, where)
+    parsed = Parsed(tree, quantities, source, where, text)
     # Every part has a letter of its own, so that most need not be counted.
     if len(text) > MAX_NODES and parsed.parts > MAX_NODES:
         raise UserError(
@@ -96,6 +108,16 @@ def parse(text: str, where: Where) -> Parsed:
             "give parts of it names in `define`",
         )
     return parsed
+
+
+def _tree(source: str) -> ast.expr:
+    """Python's syntax tree of an expression, without Python's own advice about it."""
+    if not _ADVISED.search(source):
+        # To silence warnings takes as long as to parse a short expression.
+        return ast.parse(source, mode="eval").body
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return ast.parse(source, mode="eval").body
 
 
 def too_deep(where: Where) -> UserError:
@@ -130,9 +152,11 @@ def _hint(text: str) -> str | None:
         return "write `==` to compare"
     if re.search(r"\d\s*%\s*[\w(]", text):
         return "after a number `%` is per cent; the remainder is mod(a, b)"
-    if "$" in text:
-        return "names inside an expression are written without `$`"
-    return None
+    signs = {
+        "a number has no leading zero": re.search(r"(?<![\w.])0\d", text),
+        "names inside an expression are written without `$`": "$" in text,
+    }
+    return next((hint for hint, sign in signs.items() if sign), None)
 
 
 def _plain(error: SyntaxError) -> str:

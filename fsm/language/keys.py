@@ -81,7 +81,9 @@ class Key:
 _EVENT: Schema = {"type": "string", "pattern": whole(EVENT_NAME)}
 _ONE_EVENT: Schema = {**map_of(whole(EVENT_NAME), {}), "minProperties": 1, "maxProperties": 1}
 _ONE_CALL: Schema = {"type": "object", "minProperties": 1, "maxProperties": 1}
-_TYPES: Schema = {"enum": sorted(NAMED)}
+_TYPES: Schema = {
+    "anyOf": [{"enum": sorted(NAMED)}, {"type": "array", "minItems": 1, "maxItems": 1}]
+}
 _FIELDS: Schema = {"type": ["object", "null"], "additionalProperties": _TYPES}
 _MAP: Schema = {"type": "object"}
 _ANY: Schema = {}

@@ -31,6 +31,21 @@ FLEET = "not-a-mission"
 """The code of the fault that a file is a fleet."""
 MAX_STATE_DEPTH = 64
 
+_EXAMPLES = {
+    "states": "states: {takeoff: {do: takeoff}, …}",
+    "on": "on: {done: land}",
+    "when": "when: {vehicle.battery < 30 %: land}",
+    "after": "after: {10 s: land}",
+    "with": "with: {altitude: 3 m}",
+    "live": "live: {speed: $speed}",
+    "parameters": "parameters: {height: 3 m}",
+    "data": "data: {count: 0}",
+    "define": "define: {high: vehicle.altitude > 9 m}",
+    "places": "places: {pad: [1, 2, 0]}",
+    "events": "events: {game.over: {}}",
+    "graphs": "graphs: {scan: {states: {…}}}",
+}
+"""A hint for each key whose value is a map."""
 _DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
 
 
@@ -147,13 +162,15 @@ class _Reader:
         if not root:
             allowed = _ALLOWED.get(type_, keys.AT["state"])
             node = self.keys(node, allowed, f"a {declared} state" if declared else "a state")
+        before = self.faults.errors
         states = self.states(node, depth)
+        flawed = type_ == "compound" and not states and self.faults.errors > before
         if type_ == "parallel" and not states:
             self.fail("no-states", "a parallel state needs `states`", where)
         self.refuse_combinations(node)
         before = self.faults.errors
         triggers = self.triggers(node)
-        flawed = self.faults.errors > before
+        flawed = flawed or self.faults.errors > before
         target = node.get("target") if type_ == "history" else None
         return StateSpec(
             name=name,
@@ -258,7 +275,13 @@ class _Reader:
         node = self.keys(node, keys.AT["transition"], "a transition")
         found = TransitionSpec(node.where, **self.fields(node, _TRANSITION_FIELDS))
         if found.hold and trigger != "when":
-            self.fail("misplaced-for", "`for` belongs to `when` only", self.where(node, "for"))
+            hint = "to wait, use `after`"
+            self.fail(
+                "misplaced-for", "`for` belongs to `when` only", self.where(node, "for"), hint
+            )
+        if found.reenter and not found.targets and node.get("target") is None:
+            message, hint = "`reenter` needs a `target`", "without one nothing is left"
+            self.fail("misplaced-reenter", message, self.where(node, "reenter"), hint)
         return found
 
     # -- keys -------------------------------------------------------------------------------
@@ -374,7 +397,8 @@ class _Reader:
         """The entries of a map; none for any other value, which is a fault."""
         if isinstance(value, Mapping):
             return value.entries
-        self.fail("wrong-type", f"`{key}` is a map, not {kind(value)}", value.where)
+        message, hint = f"`{key}` is a map, not {kind(value)}", _EXAMPLES.get(key)
+        self.fail("wrong-type", message, value.where, hint)
         return []
 
     def named(self, value: YamlNode, key: Key) -> tuple[Named, ...]:

@@ -22,7 +22,13 @@ from typing import Any
 from fsm.chart.draft import MAX_STATE_DEPTH, Draft, StateDraft, TransitionDraft, compatible
 from fsm.chart.executable import Action, Data, EventFields, Runtime
 from fsm.chart.graph import Graph, build_nodes
-from fsm.checks.structure import dead_alternatives, endless_always, endless_states, unreachable
+from fsm.checks.structure import (
+    dead_alternatives,
+    endless_always,
+    endless_states,
+    reachable,
+    unreachable,
+)
 from fsm.expressions.compiled import Compiled, constant
 from fsm.expressions.scope import FIRST_HOST_SLOT
 from fsm.faults import Faults
@@ -86,7 +92,7 @@ def _odd(graph: Graph) -> Iterator[Fault]:
 
     for fault in (
         *endless_states(graph, lambda region: False),
-        *unreachable(graph),
+        *unreachable(graph, reachable(graph)),
         *dead_alternatives(graph, covers),
         *endless_always(graph),
     ):
@@ -161,6 +167,7 @@ class _Loader:
             nodes=build_nodes(self.states, self.first_slot, descriptors_match),
             parameters=nothing,
             parameter_slots=nothing,
+            places=nothing,
             vocabulary=self.vocabulary,
             slots=first_flag + self.late * len(self.states),
             events=nothing,

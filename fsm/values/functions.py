@@ -7,7 +7,7 @@ with a sentence for the log.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,17 +18,21 @@ from fsm.values.types import (
     MAX_NUMBER,
     POINT,
     AnyType,
+    Bool,
     ListOf,
     MapOf,
+    Mixed,
     Number,
     PointType,
     Text,
     Type,
+    alike,
     fits,
     join,
+    raised,
 )
 from vencejo.geometry import Point, bearing, distance, wrap
-from vencejo.units import ANGLE, LENGTH
+from vencejo.units import ANGLE, LENGTH, RATIO
 
 LOOP_BUDGET = 20_000
 """The most steps of all comprehensions in one evaluation."""
@@ -111,6 +115,8 @@ def field(value: Any, name: str) -> Any:
         return value[name]
     if isinstance(value, Point) and name in ("x", "y", "z"):
         return getattr(value, name)
+    if value == "home" and name in ("x", "y"):
+        return 0.0
     raise EvaluationError(f"{shown(value)} has no '{name}'")
 
 
@@ -148,10 +154,14 @@ class Budget:
         if not isinstance(values, (list, tuple)):
             raise EvaluationError(f"{shown(values)} is no list")
         for value in values:
-            self.left -= 1
-            if self.left < 0:
-                raise EvaluationError(f"more than {LOOP_BUDGET} steps of loops at once")
+            self.spend(1)
             yield value
+
+    def spend(self, steps: int) -> None:
+        """Count steps. Raises EvaluationError when there were too many."""
+        self.left -= steps
+        if self.left < 0:
+            raise EvaluationError(f"more than {LOOP_BUDGET} steps of loops at once")
 
 
 _WORDS = {True: "true", False: "false", None: "none"}
@@ -181,29 +191,41 @@ def as_text(value: Any) -> str:
 
 
 @dataclass(frozen=True)
+class Misfit:
+    """The reason why a function cannot take its arguments, as the end of a sentence; code, hint."""
+
+    message: str
+    code: str = "wrong-type"
+    hint: str | None = None
+
+
+@dataclass(frozen=True)
 class BuiltinFunction:
     """A callable of expressions: its code, how many arguments, and the rule of its type."""
 
     call: Callable[..., Any]
     least: int
     most: int
-    result: Callable[[Sequence[Type]], Type | str]
-    """The type of the result, or a sentence that says what does not fit."""
+    result: Callable[[Sequence[Type]], Type | Misfit]
+    """The type of the result, or what does not fit."""
+    counted: bool = False
+    """Its work counts as steps of a loop: its first argument is the :class:`Budget`."""
 
 
-def _numbers(types: Sequence[Type]) -> str | None:
+def _numbers(types: Sequence[Type]) -> Misfit | None:
     for given in types:
         if not isinstance(given, (Number, AnyType)):
-            return f"takes numbers, not {given}"
+            return Misfit(f"takes numbers, not {given}")
     joined = types[0]
     for given in types[1:]:
-        if not fits(joined, given):
-            return f"takes numbers of one dimension, not {joined} and {given}"
+        if not alike(joined, given):
+            message = f"takes numbers of one dimension, not {joined} and {given}"
+            return Misfit(message, "wrong-dimension")
         joined = join(joined, given)
     return None
 
 
-def _same(types: Sequence[Type]) -> Type | str:
+def _same(types: Sequence[Type]) -> Type | Misfit:
     """Numbers of one dimension give that dimension."""
     wrong = _numbers(types)
     if wrong:
@@ -214,65 +236,103 @@ def _same(types: Sequence[Type]) -> Type | str:
     return Number(joined.dimension) if isinstance(joined, Number) else joined
 
 
-def _items(types: Sequence[Type]) -> Type | str:
+def _items(types: Sequence[Type]) -> Type | Misfit:
     """A list of numbers gives a number of their dimension."""
     if isinstance(types[0], AnyType):
         return ANY
-    return (
-        _same([types[0].item]) if isinstance(types[0], ListOf) else f"takes a list, not {types[0]}"
-    )
+    if not isinstance(types[0], ListOf):
+        return Misfit(f"takes a list, not {types[0]}")
+    item = types[0].item
+    return _same(item.options if isinstance(item, Mixed) else [item])
 
 
-def _same_or_items(types: Sequence[Type]) -> Type | str:
+def _same_or_items(types: Sequence[Type]) -> Type | Misfit:
     return _items(types) if len(types) == 1 and isinstance(types[0], ListOf) else _same(types)
 
 
-def _first(types: Sequence[Type]) -> Type | str:
-    wrong = _numbers(types[:1]) or _numbers(types[1:] or types[:1])
+def _rounded(types: Sequence[Type]) -> Type | Misfit:
+    """The second argument is a number of digits."""
+    wrong = _numbers(types[:1]) or _counts(types[1:])
     return wrong or (Number(types[0].dimension) if isinstance(types[0], Number) else ANY)
 
 
-def _gives(result: Type, *allowed: type[Type]) -> Callable[[Sequence[Type]], Type | str]:
-    def rule(types: Sequence[Type]) -> Type | str:
+def _counts(types: Sequence[Type]) -> Misfit | None:
+    """Plain numbers: bare ones, or ratios, as a length over a length is one."""
+    for given in types:
+        if isinstance(given, Number) and not fits(Number(RATIO), given):
+            return Misfit(f"counts with a plain number, not {given}", "wrong-dimension")
+    return _numbers(types) if types else None
+
+
+def _range(types: Sequence[Type]) -> Type | Misfit:
+    return _counts(types) or ListOf(BARE)
+
+
+def _gives(result: Type, *allowed: type[Type]) -> Callable[[Sequence[Type]], Type | Misfit]:
+    def rule(types: Sequence[Type]) -> Type | Misfit:
         for given in types:
             if not isinstance(given, (*allowed, AnyType)):
-                return f"cannot take {given}"
+                return Misfit(f"cannot take {given}")
         return result
 
     return rule
 
 
-def _numeric(result: Type) -> Callable[[Sequence[Type]], Type | str]:
+def _numeric(result: Type) -> Callable[[Sequence[Type]], Type | Misfit]:
     return lambda types: _numbers(types) or result
 
 
-def _angle_in(types: Sequence[Type]) -> Type | str:
-    return BARE if fits(Number(ANGLE), types[0]) else f"takes an angle, not {types[0]}"
+def _truths(types: Sequence[Type]) -> Type | Misfit:
+    wrong = _gives(BOOL, ListOf)(types)
+    item = types[0].item if isinstance(types[0], ListOf) else ANY
+    if isinstance(wrong, Misfit) or isinstance(item, (Bool, AnyType)):
+        return wrong
+    return Misfit(f"takes a list of true or false, not of {item}")
 
 
-def _angle_out(types: Sequence[Type]) -> Type | str:
-    return Number(ANGLE) if fits(Number(ANGLE), types[0]) else f"takes an angle, not {types[0]}"
+def _angle(result: Type) -> Callable[[Sequence[Type]], Type | Misfit]:
+    def rule(types: Sequence[Type]) -> Type | Misfit:
+        if fits(Number(ANGLE), types[0]):
+            return result
+        is_number = isinstance(types[0], Number)
+        code = "wrong-dimension" if is_number else "wrong-type"
+        return Misfit(f"takes an angle, not {types[0]}", code)
+
+    return rule
 
 
-def _root(types: Sequence[Type]) -> Type | str:
+def _root(types: Sequence[Type]) -> Type | Misfit:
     wrong = _numbers(types)
     if wrong:
         return wrong
-    dimension = types[0].dimension if isinstance(types[0], Number) else None
-    if dimension is None or any(power % 2 for power in dimension):
+    if not isinstance(types[0], Number):
         return BARE
-    return Number(type(dimension)(*(power // 2 for power in dimension)))
+    return raised(types[0], 0.5) or Misfit(
+        f"has no root of {types[0]}",
+        "wrong-dimension",
+        "the root of a product is that of its dimension: of m·m a length",
+    )
 
 
-def _lengths(types: Sequence[Type]) -> Type | str:
+def _lengths(types: Sequence[Type]) -> Type | Misfit:
+    return next(_not_lengths(types), POINT)
+
+
+def _points(result: Type) -> Callable[[Sequence[Type]], Type | Misfit]:
+    def rule(types: Sequence[Type]) -> Type | Misfit:
+        wrong = _gives(result, PointType, ListOf)(types)
+        items = [given.item for given in types if isinstance(given, ListOf)]
+        return wrong if isinstance(wrong, Misfit) else next(_not_lengths(items), result)
+
+    return rule
+
+
+def _not_lengths(types: Iterable[Type]) -> Iterator[Misfit]:
     for given in types:
-        if not fits(Number(LENGTH), given):
-            return f"takes lengths, not {given}"
-    return POINT
-
-
-def _points(result: Type) -> Callable[[Sequence[Type]], Type | str]:
-    return _gives(result, PointType, ListOf)
+        for option in given.options if isinstance(given, Mixed) else (given,):
+            if not fits(Number(LENGTH), option):
+                code = "wrong-dimension" if isinstance(option, Number) else "wrong-type"
+                yield Misfit(f"takes lengths, not {option}", code)
 
 
 def _extreme(choose: Callable[[Any], Any]) -> Callable[..., Any]:
@@ -301,12 +361,50 @@ def _round(value: float, digits: float = 0) -> float:
     return round(float(value), int(digits)) if digits else round(value)
 
 
-def _point_of(value: Any) -> Point:
-    if isinstance(value, Point):
-        return value
-    if isinstance(value, (list, tuple)) and len(value) == 3:
-        return Point(*map(number, value))
-    raise EvaluationError(f"{shown(value)} is no point")
+def _range_of(budget: Budget, *bounds: Any) -> list[int]:
+    """The whole numbers from 0 or the first bound up to, and without, the next one."""
+    if any(number(bound) != int(bound) for bound in bounds):
+        raise EvaluationError("range() counts in whole numbers")
+    found = range(*map(int, bounds))
+    budget.spend(len(found))
+    return list(found)
+
+
+_AXES = frozenset({"x", "y", "z", "frame"})
+
+
+def _between(measure: Callable[[Point, Point], float]) -> Callable[[Any, Any], float]:
+    """A measure of two points; a coordinate that one leaves open (`[x, y]`, `home`) is taken to be
+    the other's.
+    """
+
+    def call(one: Any, other: Any) -> float:
+        a, b = _coordinates(one), _coordinates(other)
+        return measure(_filled(a, b), _filled(b, a))
+
+    return call
+
+
+def _coordinates(value: Any) -> Sequence[Any]:
+    """x, y and z of a point in the mission frame; None for what it leaves open."""
+    match value:
+        case Point():
+            return value
+        case "home":
+            return 0.0, 0.0, None
+        case [_, _] | [_, _, _]:
+            return [*map(number, value), None][:3]
+        case {"frame": "world"}:
+            pass
+        case dict() if value.keys() <= _AXES and value:
+            return [value.get(axis) for axis in "xyz"]
+    raise EvaluationError(f"{shown(value)} is no point of the mission frame")
+
+
+def _filled(point: Sequence[Any], other: Sequence[Any]) -> Point:
+    """The point, with the other's coordinates where it leaves them open, and 0 where both do."""
+    pairs = zip(point, other, strict=True)
+    return Point(*[next((c for c in pair if c is not None), 0.0) for pair in pairs])
 
 
 FUNCTIONS: dict[str, BuiltinFunction] = {
@@ -315,25 +413,22 @@ FUNCTIONS: dict[str, BuiltinFunction] = {
     "max": BuiltinFunction(_extreme(max), 1, 99, _same_or_items),
     "clamp": BuiltinFunction(lambda x, low, high: max(low, min(high, x)), 3, 3, _same),
     "sign": BuiltinFunction(_sign, 1, 1, _numeric(BARE)),
-    "round": BuiltinFunction(_round, 1, 2, _first),
+    "round": BuiltinFunction(_round, 1, 2, _rounded),
     "floor": BuiltinFunction(math.floor, 1, 1, _same),
     "sqrt": BuiltinFunction(_sqrt, 1, 1, _root),
-    "sin": BuiltinFunction(math.sin, 1, 1, _angle_in),
-    "cos": BuiltinFunction(math.cos, 1, 1, _angle_in),
+    "sin": BuiltinFunction(math.sin, 1, 1, _angle(BARE)),
+    "cos": BuiltinFunction(math.cos, 1, 1, _angle(BARE)),
     "atan2": BuiltinFunction(math.atan2, 2, 2, _numeric(Number(ANGLE))),
     "hypot": BuiltinFunction(math.hypot, 2, 3, _same),
-    "wrap": BuiltinFunction(wrap, 1, 1, _angle_out),
+    "wrap": BuiltinFunction(wrap, 1, 1, _angle(Number(ANGLE))),
     "len": BuiltinFunction(len, 1, 1, _gives(Number(whole=True), ListOf, MapOf, Text)),
-    "any": BuiltinFunction(lambda values: any(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
-    "all": BuiltinFunction(lambda values: all(map(truth, values)), 1, 1, _gives(BOOL, ListOf)),
+    "any": BuiltinFunction(lambda values: any(map(truth, values)), 1, 1, _truths),
+    "all": BuiltinFunction(lambda values: all(map(truth, values)), 1, 1, _truths),
     "sum": BuiltinFunction(lambda values: sum(map(number, values)), 1, 1, _items),
     "mod": BuiltinFunction(lambda a, b: a % b, 2, 2, _same),
+    "range": BuiltinFunction(_range_of, 1, 3, _range, counted=True),
     "point": BuiltinFunction(lambda x, y, z: Point(float(x), float(y), float(z)), 3, 3, _lengths),
-    "distance": BuiltinFunction(
-        lambda a, b: distance(_point_of(a), _point_of(b)), 2, 2, _points(Number(LENGTH))
-    ),
-    "bearing": BuiltinFunction(
-        lambda a, b: bearing(_point_of(a), _point_of(b)), 2, 2, _points(Number(ANGLE))
-    ),
+    "distance": BuiltinFunction(_between(distance), 2, 2, _points(Number(LENGTH))),
+    "bearing": BuiltinFunction(_between(bearing), 2, 2, _points(Number(ANGLE))),
 }
 """Every function but ``active``, which asks about states and is compiled on its own."""

@@ -34,6 +34,24 @@ class AnyType(Type):
 
 
 @dataclass(frozen=True)
+class NoneType(Type):
+    """The type of ``null``, which is compared and assigned, and fits no place of another type."""
+
+    def __str__(self) -> str:
+        return "none"
+
+
+@dataclass(frozen=True)
+class Mixed(AnyType):
+    """One of several types that are unlike: an element of ``[1 m, 2 s]``."""
+
+    options: tuple[Type, ...] = ()
+
+    def __str__(self) -> str:
+        return " or ".join(map(str, self.options))
+
+
+@dataclass(frozen=True)
 class Number(Type):
     """A number of a dimension; ``None`` is a bare number, which fits every dimension."""
 
@@ -102,6 +120,7 @@ class MapOf(Type):
 
 
 ANY = AnyType()
+NONE = NoneType()
 BARE = Number()
 BOOL = Bool()
 TEXT = Text()
@@ -154,33 +173,53 @@ def fits(place: Type, given: Type) -> bool:
     """Whether a value of the type ``given`` may stand in a place of type ``place``, as far as that
     is known before the flight.
     """
+    if isinstance(place, Number) and isinstance(given, Number):
+        asked, found = place.dimension, given.dimension
+        if asked is None or found is None or asked == found:
+            return True
+        return found == _without_angle(asked)
     if isinstance(place, AnyType) or isinstance(given, AnyType) or place == given:
         return True
     match place, given:
-        case Number(dimension=a), Number(dimension=b):
-            return a is None or b is None or a == b
-        case HeadingType(), Number(dimension=b):
-            return b is None or b == ANGLE
+        case HeadingType(), Number():
+            return fits(Number(ANGLE), given)
         case ListOf(item=a), ListOf(item=b):
             return fits(a, b)
         case _:
             return isinstance(given, _FORMS.get(type(place), ()))
 
 
+def _without_angle(dimension: Dimension) -> Dimension:
+    """A dimension for which a radian is a plain number: ``v / r`` is a turn rate, ``v / r · t`` an
+    angle.
+    """
+    return dimension._replace(angle=0) if dimension.angle and not dimension.length else dimension
+
+
+def alike(a: Type, b: Type) -> bool:
+    """Whether values of two types may be equal, as far as that is known before the flight."""
+    return isinstance(a, NoneType) or isinstance(b, NoneType) or fits(a, b) or fits(b, a)
+
+
 def join(a: Type, b: Type) -> Type:
     """The type of a value that may be of either type."""
-    if a == b:
-        return a
-    if isinstance(a, Number) and isinstance(b, Number):
-        if a.dimension == b.dimension or b.dimension is None:
-            return Number(a.dimension)
-        if a.dimension is None:
+    match a, b:
+        case _ if a == b:
+            return a
+        case Number(), Number() if fits(a, b):
+            return Number(b.dimension if a.dimension is None else a.dimension)
+        case Number(), Number() if fits(b, a):
             return Number(b.dimension)
-    if isinstance(a, Text) and isinstance(b, Text):
-        return TEXT
-    if isinstance(a, ListOf) and isinstance(b, ListOf):
-        return ListOf(join(a.item, b.item))
-    return ANY
+        case Text(), Text():
+            return TEXT
+        case ListOf(), ListOf():
+            return ListOf(join(a.item, b.item))
+    options = (*_options(a), *_options(b))
+    return ANY if ANY in options else Mixed(tuple(sorted(set(options), key=str)))
+
+
+def _options(type_: Type) -> tuple[Type, ...]:
+    return type_.options if isinstance(type_, Mixed) else (type_,)
 
 
 def join_all(types: Sequence[Type]) -> Type:
@@ -203,13 +242,18 @@ def product(a: Number, b: Number, sign: int) -> Number:
     return Number(a.dimension.times(b.dimension, sign))
 
 
-def raised(base: Number, squared: bool) -> Number:
-    """The type of a power; only squares keep a dimension."""
-    if base.dimension is None:
+def raised(base: Number, exponent: float | None) -> Number | None:
+    """The type of a power; None when the dimension has none, like the square root of a length.
+
+    Where the exponent is only known in flight (None) the power is bare; that of an angle always is.
+    """
+    if base.dimension in (None, ANGLE) or exponent is None:
         return BARE
-    if squared:
-        return Number(base.dimension.times(base.dimension))
-    return BARE
+    assert base.dimension is not None
+    powers = [power * exponent for power in base.dimension]
+    if not all(power == int(power) for power in powers):
+        return None
+    return Number(Dimension(*map(int, powers)))
 
 
 _TYPE_OF_CLASS: tuple[tuple[type, Type], ...] = (

@@ -489,3 +489,23 @@ def test_an_abort_lands_a_suspended_mission() -> None:
     rig.pilot.abort()
     rig.run(20)
     assert (rig.pilot.outcome, rig.pilot.finished) == ("aborted", True)
+
+
+@pytest.mark.parametrize("where", ["shed", "home", {"x": 2.0, "y": 0.0}, Point(2.0, 0.0, 1.5)])
+def test_a_parameter_that_is_a_place_can_be_flown_to_and_measured(where: object) -> None:
+    text = """
+parameters: {where: {type: point, default: home}}
+states:
+  up: {do: takeoff, with: {altitude: 1.5 m}, on: {done: go}}
+  go:
+    do: goto
+    with: {to: $where}
+    when: {"distance(where, vehicle.position) < 1 m": {actions: {log: near}}}
+    on: {done: land, blocked: land}
+  land: {do: land, on: {done: finish}}
+  finish: {type: final}
+"""
+    rig = Rig(text, parameters={"where": where}, places={"shed": Point(2.0, 0.0, 1.5)})
+    rig.run(60)
+    assert rig.pilot.outcome == "done"
+    assert [fields["text"] for kind, fields in rig.records if kind == "log"] == ["near"]

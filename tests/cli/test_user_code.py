@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import dedent, indent
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 HEAD = """\
 import os, signal, sys, threading, time, warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import IO, Any
 from behaviors import Behavior, BehaviorParams, Outcome, Point, action, param
 from hal import Attitude, Hold, Lights, Position, Velocity
 
@@ -450,11 +450,14 @@ def endless():
 """
 
 
-def in_a_process(*arguments: str, **settings: Any) -> subprocess.CompletedProcess[str]:
+def in_a_process(
+    *arguments: str, stdout: int | IO[str] = subprocess.PIPE, **settings: Any
+) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "tests.cli.drone_cli", *arguments],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
+        stdout=stdout,
+        stderr=subprocess.PIPE,
         text=True,
         timeout=60,
         check=False,
@@ -488,6 +491,16 @@ def test_what_swallows_even_that_is_landed_without_it(code: str, mission: str) -
     told = "the call took longer than 0.2 s and could not be ended (--call-limit) (own.py:"
     assert flight.summary["reason"].startswith(told)
     assert (flight.run.folder / "flight.png").exists()
+
+
+@pytest.mark.slow
+def test_what_swallows_even_that_still_tells_a_full_output() -> None:
+    written(SWALLOWS + behavior("endless()"))
+    with Path("/dev/full").open("w") as full:
+        done = in_a_process("run", "m.yaml", *SHORT, stdout=full)
+    assert (done.returncode, "[output-lost]" in done.stderr) == (4, True)
+    (folder,) = Path("runs").iterdir()
+    assert read_run(folder).telemetry["drone"][-1].mode == "landed"
 
 
 @pytest.mark.slow

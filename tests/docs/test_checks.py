@@ -24,13 +24,22 @@ CODE = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 
 def codes_in(path: Path) -> Iterator[str]:
     """The codes of the faults that a file makes."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    module = ast.parse(path.read_text())
+    named = {
+        target.id: node.value
+        for node in module.body
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+    for node in ast.walk(module):
         if not isinstance(node, ast.Call):
             continue
         name = getattr(node.func, "id", getattr(node.func, "attr", ""))
         if name in REPORTERS and node.args:
             # The code stands first, or after the node of an expression.
             for code in node.args[:2]:
+                code = named.get(code.id, code) if isinstance(code, ast.Name) else code
                 for part in (code.body, code.orelse) if isinstance(code, ast.IfExp) else (code,):
                     if isinstance(part, ast.Constant) and CODE.fullmatch(str(part.value)):
                         yield part.value

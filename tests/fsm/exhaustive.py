@@ -200,7 +200,7 @@ class Flights:
                 landed = True
         for node in state.configuration.behaving:
             running = state.running.get(node.index)
-            if node.invocation and node.invocation.behavior.takes_off:
+            if node.invocation and node.invocation.behavior.may_take_off:
                 landed = landed and bool(running and running.ended)
         return landed
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from tests.fsm.toy import END, Run
+from vencejo.geometry import Point
 
 
 def test_set_takes_all_right_sides_first_and_append_makes_a_new_list() -> None:
@@ -96,3 +97,59 @@ def test_parameters_count_and_can_be_given() -> None:
         run = Run(text, None, given)
         run.run()
         assert run.logged() == [said]
+
+
+def test_typed_lists_hold_what_they_say() -> None:
+    run = Run(
+        """
+parameters: {heights: {type: [length], default: [1 m, 50 cm]}}
+events: {got.list: {values: [time]}}
+data: {seen: {type: [length]}, grid: {type: [[number]], default: [[1], [2, 3]]}}
+states:
+  a:
+    entry: [{append: {seen: 2 m}}, {append: {seen: "${heights[0] / 4}"}}, {append: {grid: [4]}}]
+    on: {got.list: {target: end, guard: sum(event.values) > 2 s}}
+    when: {max(heights) > 3 m: end}
+  end: {type: final, output: {seen: $seen, grid: $grid}}
+"""
+    )
+    run.run()
+    run.post("got.list", values=[1.0, 2.0])
+    run.run()
+    assert run.instance.output == {"seen": [2.0, 0.25], "grid": [[1], [2, 3], [4]]}
+
+
+def test_range_counts_and_dt_is_the_period() -> None:
+    run = Run(
+        """
+data: {total: 0 s, squares: []}
+throughout: {set: {total: "${total + dt}"}}
+states:
+  a:
+    entry: [{set: {squares: "${[i * i for i in range(1, 4)]}"}}, {log: "${dt}"}]
+    on: {operator.abort: end}
+  end: {type: final}
+"""
+    )
+    run.run(3)
+    assert run.logged() == ["0.025"]
+    assert run.value("squares") == [1, 4, 9]
+    assert abs(run.value("total") - 0.075) < 1e-9
+    run.now += 0.1
+    run.run()
+    assert abs(run.value("total") - 0.2) < 1e-9
+
+
+def test_a_point_that_leaves_its_height_open_is_measured_at_the_other() -> None:
+    text = """
+parameters: {where: {type: point, default: home}}
+states:
+  a:
+    entry: {log: "${distance(where, vehicle.position)} ${where.x}"}
+    on: {operator.abort: end}
+  end: {type: final}
+"""
+    for where, expected in (("home", "5 0"), ({"x": 3.0, "y": 0.0}, "4 3")):
+        run = Run(text, parameters={"where": where})
+        run.run(1, position=Point(3.0, 4.0, 7.0))
+        assert run.logged() == [expected]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Any
 
 import pytest
@@ -74,10 +75,25 @@ for _ in range(60):
         ("max(v)", [1, "b"], "b is no number"),
         ("sum(v)", [1, True], "true is no number"),
         ("sqrt(v)", -0.01, "a negative number has no square root"),
-        ("distance(v, [0, 0, 0])", [1, 2], "[1, 2] is no point"),
-        ("distance([0, 0, 0], v)", [1, 2, 3, 4], "[1, 2, 3, 4] is no point"),
+        ("distance(v, [0, 0, 0])", [1, 2, 3, 4], "[1, 2, 3, 4] is no point of the mission frame"),
+        ("distance([0, 0, 0], v)", {}, "{} is no point of the mission frame"),
+        (
+            "distance([0, 0, 0], v)",
+            {"lat": 1, "lon": 2},
+            "{lat: 1, lon: 2} is no point of the mission frame",
+        ),
+        (
+            "distance([0, 0, 0], v)",
+            {"x": 1, "frame": "world"},
+            "{x: 1, frame: world} is no point of the mission frame",
+        ),
         ("bearing(v, [0, 0, 0])", [1, 2, "z"], "z is no number"),
-        ("bearing([0, 0, 0], v)", "pond", "pond is no point"),
+        ("bearing([0, 0, 0], v)", "pond", "pond is no point of the mission frame"),
+        ("v.z", "home", "home has no 'z'"),
+        ("range(v)", 1.5, "range() counts in whole numbers"),
+        ("range(v)", "a", "a is no number"),
+        ("range(v)", 20_001, "more than 20000 steps of loops at once"),
+        ("[range(v) for a in [1, 2, 3]]", 9_000, "more than 20000 steps of loops at once"),
         ("[v]", NESTED, "the result has too many lists inside lists"),
         ("[v]", [1e300], "the result is too large a number"),
         ("[v]", ["a" * 1_000_001], "the result is larger than 1 MB"),
@@ -105,6 +121,17 @@ def test_what_has_no_value_says_why(text: str, v: Any, expected: str) -> None:
         ("min(v)", [3, 1, 2], 1),
         ("max(v)", [3, 1, 2], 3),
         ("min(v)", 3, 3),
+        ("range(v)", 3, [0, 1, 2]),
+        ("range(1, v)", 3.0, [1, 2]),
+        ("range(v, 0, -2)", 5, [5, 3, 1]),
+        ("[2 * a for a in range(v)]", 3, [0, 2, 4]),
+        ("distance(v, point(3, 4, 9))", "home", 5.0),
+        ("distance(point(3, 4, 9), v)", [0, 0], 5.0),
+        ("distance(v, [3, 0])", {"x": 0, "y": 4, "frame": "mission"}, 5.0),
+        ("distance(v, [3, 4, 9])", {"x": 3}, 0.0),
+        ("bearing(v, [0, 2, 9])", "home", pi / 2),
+        ("v.x + v.y", "home", 0.0),
+        ("v.y", {"x": 1, "y": 2}, 2),
         ("sum(v)", [], 0),
         ("any(v)", [], False),
         ("all(v)", [], True),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fsm import parse_parameters, read_mission_text
 from tests.fsm.toy import Run, faults_of, graph_of, shown
-from vencejo.errors import UserError
+from vencejo.errors import Fault, UserError
 
 OUT = "  out: {on: {operator.abort: end}}\n  end: {type: final}\n"
 A = "states:\n  a: {%s}\n" + OUT
@@ -95,7 +95,7 @@ CASES: list[tuple[str, str, list[str], str]] = [
     ("not whole", A % "do: go, with: {times: 1.5}, on: {done: out, blocked: out}", ["2:29 wrong-type"], ""),
     ("out of range", A % "do: go, with: {speed: 20 m/s}, on: {done: out, blocked: out}", ["2:29 out-of-range"], ""),
     ("too large a number", A % "do: go, with: {height: 1e999}, on: {done: out, blocked: out}", ["2:30 out-of-range"], ""),
-    ("no value", A % "do: go, with: {height: '${1 / 0}'}, on: {done: out, blocked: out}", ["2:30 no-value"], ""),
+    ("no value", A % "do: go, with: {height: '${1 / 0}'}, on: {done: out, blocked: out}", ["2:33 no-value"], ""),
     ("not live", A % "do: go, live: {height: 2 m}, on: {done: out, blocked: out}", ["2:22 not-live"], "`with`"),
     ("publishes nothing", A % "do: wait, as: w, on: {done: out}", ["2:21 no-values"], ""),
     ("published name taken", "data: {look: 1}\n" + A % "do: look, on: {operator.abort: out}", ["3:11 name-taken"], "as:"),
@@ -157,21 +157,73 @@ CASES: list[tuple[str, str, list[str], str]] = [
     ("unclosed dollar", A % "entry: {log: 'a ${n'}, on: {operator.abort: out}", ["2:23 bad-expression"], ""),
     # structure
     ("unhandled outcome", A % "do: go, on: {done: out}", ["2:3 unhandled-outcome"], "blocked"),
-    ("all alternatives guarded", A % "do: wait, on: {done: [{guard: 1 > 2, target: out}], operator.abort: out}", ["2:29 guarded-outcome"], "without guard"),
+    ("all alternatives guarded", A % "do: wait, on: {done: [{guard: time > 2 s, target: out}], operator.abort: out}", ["2:29 guarded-outcome"], "without guard"),
     ("no way out", A % "do: blink", ["2:3 no-way-out", "3:3 unreachable", "4:3 unreachable"], "final"),
     ("a companion that ends", A % "do: go, on: {blocked: out, operator.abort: out}, states: {b: {on: {link.lost: b}}}", ["2:3 ending-companion"], ""),
     ("two owners", A % "type: parallel, on: {done: out, operator.abort: out, blocked: out}, states: {b: {do: go}, c: {do: go}}", ["2:97 two-owners"], "one behaviour"),
     ("a region to itself", A % "type: parallel, on: {operator.abort: out}, states: {b: {on: {link.lost: b}}, c: {}}", ["2:79 region-restart"], "reenter"),
     ("a region into another", A % "type: parallel, on: {operator.abort: out}, states: {b: {on: {link.lost: c}}, c: {}}", ["2:79 region-restart"], "reenter"),
     ("a parallel state into its region", A % "type: parallel, on: {operator.abort: out, link.lost: b}, states: {b: {}, c: {}}", ["2:60 region-restart"], "reenter"),
-    ("a dead alternative", on("link.lost: [out, {guard: 1 > 2, target: end}]"), ["2:50 dead-alternative"], "first"),
+    ("a dead alternative", on("link.lost: [out, {guard: time > 2 s, target: end}]"), ["2:50 dead-alternative"], "first"),
     ("a dead event", on("link.*: out, link.lost: end"), ["2:57 dead-alternative"], "before"),
     ("an endless always", A % "always: out" .replace("out", "b") + "  b: {always: a}\n", ["2:15 endless-always", "5:15 endless-always", "3:3 unreachable", "4:3 unreachable"], ""),
     ("an always without target", A % "always: {actions: {log: x}}, on: {operator.abort: out}", ["2:15 endless-always"], "entry"),
     ("equal durations", A % "after: {1 min: out, 60 s: end}", ["2:27 equal-durations"], "list"),
     ("a final region", A % "type: parallel, on: {operator.abort: out}, states: {b: {type: final}, c: {}}", ["2:59 final-region"], ""),
     ("never done", A % "type: parallel, on: {done: out, operator.abort: out}, states: {b: {do: wait}, c: {do: blink}}", ["2:34 never-done"], ""),
+    ("reenter without a target", on("link.lost: {reenter: true, actions: {log: x}}"), ["2:45 misplaced-reenter"], "nothing is left"),
+    # constants
+    ("a duration without a value", A % "after: {1 s / 0: out}", ["2:15 no-value"], "constant"),
+    ("a duration that is null", A % "after: {null: out}", ["2:15 wrong-type"], "10 s"),
+    ("a lasting without a value", A % "when: {vehicle.altitude > 1 m: {for: 1 s / 0, target: out}}", ["2:44 no-value"], ""),
+    ("a condition without a value", A % "when: {vehicle.altitude > 1 / 0: out}", ["2:33 no-value"], ""),
+    ("a condition that is null", A % "when: {null: out}", ["2:14 wrong-type"], "compare"),
+    ("a guard without a value", on("link.lost: {target: out, guard: 1 / 0 > 1}"), ["2:65 no-value"], ""),
+    ("a define without a value", "define: {k: 1 / 0}\n" + A % "when: {k > 1: out}", ["1:13 no-value"], ""),
+    ("a text without a value", A % "entry: {log: 'x ${1 / 0}'}, when: {vehicle.altitude > 1 m: out}", ["2:25 no-value"], ""),
+    ("a delay without a value", A % "entry: {send: {event: my.own, delay: '${1 s / 0}'}}, on: {my.own: out}", ["2:47 no-value"], ""),
+    ("a constant that is none of the words", A % "do: go, with: {color: \"${'rad'}\"}, on: {done: out, blocked: out}", ["2:32 wrong-type"], ""),
+    ("a text with a number format", A % "entry: {log: '${vehicle.mode:.1f}'}, on: {operator.abort: out}", ["2:23 wrong-type"], "format"),
+    ("a negative duration", A % "after: {-3 s: out}", ["2:15 out-of-range"], "10 s"),
+    ("a negative lasting", A % "when: {vehicle.altitude > 1 m: {for: -1 s, target: out}}", ["2:44 out-of-range"], "10 s"),
+    ("a negative delay", A % "entry: {send: {event: my.own, delay: -1 s}}, on: {my.own: out}", ["2:44 out-of-range"], ""),
+    ("a number with a leading zero", A % "do: rise, with: {height: 010}, on: {done: out}", ["2:32 wrong-type"], "leading zero"),
+    ("states as a list", "states:\n  - a\n", ["2:3 wrong-type"], "states: {"),
+    ("inner states as a list", A % "on: {operator.abort: out}, initial: b, states: [b]", ["2:54 wrong-type"], "states: {"),
+    ("on as a list", A % "do: go, on: [done]", ["2:19 wrong-type"], "on: {"),
+    ("no state at all", "states: {}\n", ["1:1 no-states"], "states: {name"),
+    ("an outcome of another word", A % "do: go, on: {arrived: out, done: out, blocked: out}", ["2:20 unknown-outcome"], "the outcomes here are: blocked, done, failed"),
+    ("a list of an unknown type", "data: {l: {type: [lenght]}}\n" + A % "on: {operator.abort: out}, entry: {append: {l: 1}}", ["1:19 unknown-type"], "'length'"),
+    ("a list of two types", "data: {l: {type: [length, time]}}\n" + A % "on: {operator.abort: out}, entry: {append: {l: 1}}", ["1:18 unknown-type"], "[length]"),
+    ("append another dimension", "data: {l: {type: [length], default: [1 m]}}\n" + A % "on: {operator.abort: out}, entry: {append: {l: 2 s}}", ["3:54 wrong-dimension"], "2 m"),
+    ("a typed list of another dimension", "parameters: {l: {type: [length], default: [5 s]}}\n" + A % "on: {operator.abort: out}, entry: {log: $l}", ["1:44 wrong-dimension"], "2 m"),
     # warnings
+    ("a condition that is always false", A % "when: {1 > 2: out}, on: {operator.abort: end}", ["2:14 constant-condition", "3:3 unreachable"], "changes"),
+    ("a condition that is always true", A % "when: {2 > 1: out}", ["2:14 constant-condition"], "changes"),
+    ("a guard that is always false", on("link.lost: {target: end, guard: 1 > 2}"), ["2:65 constant-condition"], ""),
+    ("a guard of always", A % "always: [{guard: 1 > 2, target: end}, out]", ["2:24 constant-condition"], ""),
+    ("a part of a condition", A % "when: {vehicle.altitude > 1 m and 1 > 2: out}", ["2:41 constant-condition"], ""),
+    ("a define that is always true", "define: {d: 2 > 1}\n" + A % "when: {d: out}", ["1:13 constant-condition"], ""),
+    ("a condition of a define with arguments", "define: {far(v): v > 2 m and 1 > 2}\n" + A % "when: {far(vehicle.altitude): out}", ["1:30 constant-condition"], ""),
+    ("no time at all", A % "when: {vehicle.altitude > 1 m: {for: 0 s, target: out}}", ["2:44 short-duration"], "leave `for` out"),
+    ("a zero duration", A % "after: {0 s: out}", ["2:15 short-duration"], "first period"),
+    ("a dead timer", A % "after: {2 s: out, 5 s: b}" + "  b: {on: {link.lost: end}}\n", ["2:25 dead-timer", "5:3 unreachable"], "shorter"),
+    ("a dead timer above the other", A % "after: {5 s: end, 2 s: out}", ["2:15 dead-timer"], "shorter"),
+    ("a dead timer inside", A % "after: {2 s: out}, states: {b: {after: {3 s: b}}}", ["2:47 dead-timer"], "shorter"),
+    ("the same condition twice", A % "when: {vehicle.altitude > 3 m: out, 'vehicle.altitude  > 300 cm': end}", ["2:44 same-condition"], "list of alternatives"),
+    ("the same condition the other way round", A % "when: {vehicle.altitude >= 3 m and vehicle.battery > 5 %: out, 3 m <= vehicle.altitude and 5 % < vehicle.battery: end}", ["2:70 same-condition"], ""),
+    ("the same guard twice", on("link.lost: [{guard: event.age > 2 s, target: out}, {guard: event.age>2 s, target: end}]"), ["2:92 same-condition"], "never reached"),
+    ("an event nobody hears", "events: {go.now: {}}\n" + A % "on: {operator.abort: out, go.now: out}, entry: {raise: goo.now}", ["3:62 unheard-event"], "'go.now'"),
+    ("an event with fields nobody hears", A % "on: {operator.abort: out}, exit: {raise: {my.own: {n: 1}}}", ["2:49 unheard-event"], "on: {my.own"),
+    ("a sent event nobody hears", on("link.lost: {actions: {send: {event: my.own, delay: 2 s}}}"), ["2:69 unheard-event"], ""),
+    ("an unknown id", A % "on: {operator.abort: out, my.own: out}, entry: {send: {event: my.own, id: tick}}, exit: {cancel: tikc}", ["2:104 unknown-id"], "'tick'"),
+    ("one parameter twice", A % "do: go, with: {speed: 1 m/s}, live: {speed: 2 m/s}, on: {done: out, blocked: out}", ["2:29 given-twice"], "live"),
+    ("a bare angle", A % "do: go, with: {heading: 90}, on: {done: out, blocked: out}", ["2:31 bare-angle"], "'90 deg'"),
+    ("a bare angle in an expression", A % "do: go, with: {heading: '${2 * 45}'}, on: {done: out, blocked: out}", ["2:34 bare-angle"], "'2 * 45 deg'"),
+    ("a bare angle of a parameter", "parameters: {a: {type: angle, default: -180}}\n" + A % "on: {operator.abort: out}, entry: {log: $a}", ["1:40 bare-angle"], "'-180 deg'"),
+    ("a route without points", A % "do: fly, with: {route: []}, on: {done: out}", ["2:30 empty-route"], "points"),
+    ("no end", "states:\n  a: {on: {link.lost: b}}\n  b: {on: {link.lost: a}}\n", ["1:1 never-ends"], "{type: final}"),
+    ("an end inside is none of the mission", "states:\n  a: {on: {done: a}, states: {b: {on: {link.lost: c}}, c: {type: final}}}\n", ["1:1 never-ends"], ""),
     ("unreachable", A % "on: {operator.abort: end}", ["3:3 unreachable"], ""),
     ("a short duration", A % "after: {10 ms: out}", ["2:15 short-duration"], ""),
     ("always on the world", A % "always: {guard: vehicle.altitude > 1 m, target: out}, on: {operator.abort: out}", ["2:23 always-on-the-world"], "when"),
@@ -179,6 +231,26 @@ CASES: list[tuple[str, str, list[str], str]] = [
     ("a landing that can be left", A % "on: {link.lost: out}, states: {b: {do: settle, on: {done: {}}}}", ["2:23 left-landing"], ""),
     ("a hidden state", A % "on: {operator.abort: out}, states: {out: {on: {link.lost: out}}}", ["2:28 hidden-state", "2:65 hidden-state", "3:3 unreachable", "4:3 unreachable"], ""),
 ]  # fmt: skip
+
+
+FINE: list[tuple[str, str]] = [
+    # name, mission: close to a mistake, and none
+    ("a define as a switch", "define: {debug: false}\n" + A % "when: {debug: out, vehicle.altitude > 1 m and debug: out}"),
+    ("an earlier timer with a guard", A % "after: {2 s: {guard: vehicle.altitude > 1 m, target: out}, 5 s: end}"),
+    ("an earlier timer that stays", A % "after: {2 s: {actions: {log: x}}, 5 s: out}"),
+    ("an earlier timer of the outer state that stays", A % "after: {2 s: c}, on: {link.lost: out}, states: {b: {after: {5 s: c}}, c: {after: {5 s: b}}}"),
+    ("another condition", A % "when: {vehicle.altitude > 3 m: out, 3 m > vehicle.altitude: end}"),
+    ("an event of the host is heard there", A % "on: {operator.abort: out}, entry: {raise: {battery.low: {level: 10 %}}}"),
+    ("an event that a family hears", A % "on: {my.*: out}, entry: {raise: my.own}"),
+    ("the id of an event", A % "on: {operator.abort: out, my.own: out}, entry: {send: {event: my.own}}, exit: {cancel: my.own}"),
+    ("an id of the flight", A % "on: {operator.abort: out, my.own: out}, entry: {send: {event: my.own, id: $vehicle.mode}}, exit: {cancel: auto}"),
+    ("a small bare angle", A % "do: go, with: {heading: 1.57}, on: {done: out, blocked: out}"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", [c[1] for c in FINE], ids=[c[0] for c in FINE])
+def test_no_fault(text: str) -> None:
+    assert faults_of(text) == []
 
 
 @pytest.mark.parametrize(
@@ -235,6 +307,14 @@ parameters:
   t: {type: time}
   word: {default: a}
   at: {type: point, default: home}
+places: {pad: [4, 5, 0]}
+states: {a: {on: {operator.abort: end}}, end: {type: final}}
+"""
+LISTS = """
+parameters:
+  heights: {type: [length], default: [1 m]}
+  turn: {type: angle, default: 0}
+  spots: {type: [point], default: [home]}
 states: {a: {on: {operator.abort: end}}, end: {type: final}}
 """
 
@@ -248,6 +328,9 @@ states: {a: {on: {operator.abort: end}}, end: {type: final}}
             {"t": "1", "word": "on: $5, [x"},
             {"h": 4.0, "t": 1.0, "word": "on: $5, [x", "at": "home"},
         ),
+        ({"t": "1", "at": "pad"}, {"h": 4.0, "t": 1.0, "word": "a", "at": (4.0, 5.0, 0.0)}),
+        ({"t": "1", "at": "pond"}, {"h": 4.0, "t": 1.0, "word": "a", "at": "pond"}),
+        ({"t": "1", "at": "[1, 2]"}, {"h": 4.0, "t": 1.0, "word": "a", "at": {"x": 1.0, "y": 2.0}}),
         ({"t": "1", "at": "[1, 2, 3]"}, {"h": 4.0, "t": 1.0, "word": "a", "at": (1.0, 2.0, 3.0)}),
     ],
 )
@@ -266,6 +349,8 @@ def test_parameters_from_texts(given: dict[str, str], values: dict[str, object])
         ({"t": "${1/0}"}, ["no-value"]),
         ({"t": "$time"}, ["unknown-name"]),
         ({"t": "[1"}, ["bad-yaml"]),
+        ({"t": "1", "at": "nope"}, ["unknown-place"]),
+        ({"t": "010"}, ["wrong-type"]),
         ({"t": "1\udcff"}, ["not-text"]),
         ({"h": "x", "hh": "y"}, ["wrong-type", "unknown-parameter", "missing-parameter"]),
     ],
@@ -274,6 +359,32 @@ def test_parameters_that_do_not_fit(given: dict[str, str], codes: list[str]) -> 
     with pytest.raises(UserError) as raised:
         parse_parameters(graph_of(PARAMETERS), given)
     assert [fault.code for fault in raised.value.faults] == codes
+
+
+def test_lists_from_texts() -> None:
+    graph = graph_of(LISTS)
+    assert parse_parameters(graph, {"heights": "[50 cm, 2]", "spots": "[pond, [1, 2, 3]]"}) == {
+        "heights": [0.5, 2.0],
+        "turn": 0.0,
+        "spots": ["pond", (1.0, 2.0, 3.0)],
+    }
+    for texts, code in (
+        ({"heights": "[5 s]"}, "wrong-dimension"),
+        ({"heights": "5 m"}, "wrong-type"),
+        ({"spots": "[nope]"}, "unknown-place"),
+    ):
+        with pytest.raises(UserError) as raised:
+            parse_parameters(graph, texts)
+        assert [fault.code for fault in raised.value.faults] == [code]
+
+
+def test_what_is_doubtful_in_a_text_is_told() -> None:
+    found: list[Fault] = []
+    assert parse_parameters(graph_of(LISTS), {"turn": "90"}, found)["turn"] == 90.0
+    assert [str(fault) for fault in found] == [
+        "-p turn:1:8: warning: 90 without a unit is 90 rad, 14 turns [bare-angle]\n"
+        "  hint: did you mean '90 deg'?"
+    ]
 
 
 SHIPPED = [
@@ -321,7 +432,8 @@ states:
         on: {done: {}, blocked: {}}
         when: {lost: {for: 0.5 s, target: search}}
       back: {type: history, target: search}
-  manual: {on: {link.lost: hunt.back}}
+  manual: {on: {link.lost: hunt.back}, after: {9 s: end}}
+  end: {type: final}
 """,
 ]
 

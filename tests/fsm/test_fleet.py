@@ -63,6 +63,7 @@ def test_a_fleet_without_mistakes(tmp_path: Path) -> None:
         ("  mouse:", "  mouze:", ["cat.yaml:3:73: unknown-vehicle"]),
         ("until", "untill", ["fleet.yaml:6:1: unknown-key"]),
         ("cat.yaml", "fleet.yaml", ["fleet.yaml:1:8: not-a-mission"]),
+        ("time > 200 s", "1 > 2", ["fleet.yaml:6:8: constant-condition"]),
     ],
 )  # fmt: skip
 def test_faults_of_a_fleet(tmp_path: Path, old: str, new: str, found: list[str]) -> None:
@@ -100,3 +101,30 @@ def test_a_receiver_has_a_name() -> None:
     with pytest.raises(UserError) as error:
         Run(CAT.replace("to: mouse", "to: $limit"))
     assert error.value.code == "bad-name"
+
+
+@pytest.mark.parametrize(
+    ("sent", "heard", "found"),
+    [
+        ("with: {by: cat}", "{by: text}", []),
+        ("with: {by: $limit}", "{by: time}", []),
+        ("with: {by: $limit}", "{by: number}", []),
+        ("with: {by: 3, more: 4}", "{}", []),
+        ("with: {by: 5 s}", "{by: length}", ["cat.yaml:3:91: wrong-dimension"]),
+        ("with: {by: $speed}", "{by: time}", ["cat.yaml:3:92: wrong-dimension"]),
+        ("with: {by: 3}", "{by: text}", ["cat.yaml:3:91: wrong-type"]),
+        ("with: {bye: cat}", "{by: text}", ["cat.yaml:3:58: missing-key", "cat.yaml:3:92: unknown-key"]),
+        ("delay: 2 s", "{by: text}", ["cat.yaml:3:58: missing-key"]),
+    ],
+)  # fmt: skip
+def test_fields_that_are_sent_fit_the_mission_that_hears_them(
+    tmp_path: Path, sent: str, heard: str, found: list[str]
+) -> None:
+    cat = CAT.replace("with: {by: cat}", sent)
+    mouse = MOUSE.replace("{by: text}", heard)
+    assert faults(tmp_path, cat=cat, mouse=mouse) == found
+
+
+def test_an_event_that_the_other_vehicle_does_not_hear(tmp_path: Path) -> None:
+    cat = CAT.replace("game.over", "game.ovr")
+    assert faults(tmp_path, cat=cat) == ["cat.yaml:3:58: unheard-event"]

@@ -97,7 +97,8 @@ class Robot(Run):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_all_are_without_fault(name: str) -> None:
-    assert graph_of(name).warnings == ()
+    endless = name in ("leftright", "linecross", "tag_leds")
+    assert [w.code for w in graph_of(name).warnings] == ["never-ends"] * endless
 
 
 def test_a_search_widens_by_a_variable_of_its_own_state() -> None:

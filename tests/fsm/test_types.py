@@ -15,14 +15,17 @@ from fsm.values.types import (
     BOOL,
     HEADING,
     NAMED,
+    NONE,
     POINT,
     ROUTE,
     TEXT,
     ListOf,
     MapOf,
+    Mixed,
     Number,
     Text,
     Type,
+    alike,
     fits,
     join,
     join_all,
@@ -31,7 +34,7 @@ from fsm.values.types import (
     type_of,
 )
 from vencejo.geometry import Point
-from vencejo.units import ANGLE, LENGTH, SPEED, TIME
+from vencejo.units import ANGLE, FREQUENCY, LENGTH, RATIO, SPEED, TIME, TURN_RATE
 
 METRES, SECONDS, RADIANS = Number(LENGTH), Number(TIME), Number(ANGLE)
 WORDS = Text(("red", "blue"))
@@ -97,16 +100,19 @@ def test_what_does_not_fit(place: Type, given: Type) -> None:
         (METRES, METRES, METRES),
         (METRES, BARE, METRES),
         (Number(LENGTH, 0.0, 5.0), Number(LENGTH, 1.0, 9.0), METRES),
-        (METRES, SECONDS, ANY),
+        (METRES, SECONDS, Mixed((METRES, SECONDS))),
         (BARE, Number(whole=True), BARE),
         (TEXT, WORDS, TEXT),
         (WORDS, WORDS, WORDS),
-        (BOOL, BARE, ANY),
+        (BOOL, BARE, Mixed((BARE, BOOL))),
+        (BOOL, ANY, ANY),
+        (Mixed((BARE, BOOL)), TEXT, Mixed((BARE, TEXT, BOOL))),
+        (Mixed((BARE, BOOL)), BARE, Mixed((BARE, BOOL))),
         (ListOf(METRES), ListOf(BARE), ListOf(METRES)),
-        (ListOf(METRES), ListOf(TEXT), ListOf(ANY)),
-        (ListOf(METRES), METRES, ANY),
+        (ListOf(METRES), ListOf(TEXT), ListOf(Mixed((METRES, TEXT)))),
+        (ListOf(METRES), METRES, Mixed((METRES, ListOf(METRES)))),
         (POINT, POINT, POINT),
-        (POINT, MapOf(), ANY),
+        (POINT, MapOf(), Mixed((MapOf(), POINT))),
     ],
 )
 def test_what_two_types_have_in_common(a: Type, b: Type, expected: Type) -> None:
@@ -116,7 +122,7 @@ def test_what_two_types_have_in_common(a: Type, b: Type, expected: Type) -> None
 def test_what_many_types_have_in_common() -> None:
     assert join_all([]) == ANY
     assert join_all([BARE, METRES, Number(LENGTH, 1.0)]) == METRES
-    assert join_all([BARE, METRES, SECONDS]) == ANY
+    assert join_all([BARE, METRES, SECONDS]) == Mixed((METRES, SECONDS))
 
 
 @pytest.mark.parametrize(
@@ -135,16 +141,43 @@ def test_products_and_quotients(a: Number, b: Number, times: Number, over: Numbe
 
 
 @pytest.mark.parametrize(
-    ("base", "squared", "expected"),
+    ("base", "exponent", "expected"),
     [
-        (METRES, True, Number(LENGTH.times(LENGTH))),
-        (METRES, False, BARE),
-        (BARE, True, BARE),
-        (BARE, False, BARE),
+        (METRES, 2, Number(LENGTH.times(LENGTH))),
+        (METRES, 1.0, METRES),
+        (METRES, 0, Number(RATIO)),
+        (METRES, -1, Number(RATIO.times(LENGTH, -1))),
+        (METRES, 0.5, None),
+        (Number(LENGTH.times(LENGTH)), 0.5, METRES),
+        (METRES, None, BARE),
+        (BARE, 0.5, BARE),
+        (RADIANS, 2, BARE),
     ],
 )
-def test_powers(base: Number, squared: bool, expected: Number) -> None:
-    assert raised(base, squared) == expected
+def test_powers(base: Number, exponent: float | None, expected: Number | None) -> None:
+    assert raised(base, exponent) == expected
+
+
+@pytest.mark.parametrize(
+    ("place", "given"),
+    [
+        (RADIANS, Number(RATIO)),
+        (HEADING, Number(RATIO)),
+        (Number(TURN_RATE), Number(FREQUENCY)),
+    ],
+)
+def test_a_plain_number_is_an_angle_where_one_is_asked_for(place: Type, given: Number) -> None:
+    assert fits(place, given)
+    assert not fits(given, place) or place == HEADING
+    assert join(place, given) == join(given, place) == place or place == HEADING
+
+
+@pytest.mark.parametrize("place", [METRES, BOOL, TEXT, POINT, HEADING, ListOf(), MapOf()])
+def test_none_fits_where_anything_does(place: Type) -> None:
+    assert fits(ANY, NONE)
+    assert not fits(place, NONE)
+    assert alike(place, NONE)
+    assert alike(NONE, place)
 
 
 @pytest.mark.parametrize(
@@ -158,7 +191,7 @@ def test_powers(base: Number, squared: bool, expected: Number) -> None:
         ({"id": 1}, MapOf()),
         ([1, 2.0], ListOf(BARE)),
         ((True, False), ListOf(BOOL)),
-        ([1, "a"], ListOf(ANY)),
+        ([1, "a"], ListOf(Mixed((BARE, TEXT)))),
         ([[1], [2]], ListOf(ListOf(BARE))),
         ([], ListOf(ANY)),
         (None, ANY),

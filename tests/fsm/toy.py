@@ -70,7 +70,7 @@ BEHAVIORS = {
             parameters=_parameters(Parameter("height", Number(LENGTH), required=True)),
             outcomes={"done": {}},
             controls=("motion",),
-            takes_off=True,
+            requires=("takeoff",),
         ),
         BehaviorInfo(
             "fly",

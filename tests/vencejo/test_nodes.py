@@ -109,8 +109,25 @@ def test_anchors_and_merges_are_expanded() -> None:
         ("a: 1\n---\nb: 2\n", "two-documents", "f:2:1", ""),
         ("{a: 1}: 2", "bad-key", "f:1:1", "quotes"),
         ("a: {<<: 3}", "bad-merge", "f:1:9", ""),
-        ("a: 'open\n", "bad-yaml", "f:2:1", ""),
-        ("a: \ud800\n", "not-text", "f", ""),
+        ("a: 'open\n", "bad-yaml", "f:1:4", "not closed"),
+        ('m: {l: "$h}\ns:\n  a: {l: "x"}\n', "bad-yaml", "f:1:8", "not closed in its line"),
+        ("a: 'x\nb: it's\n", "bad-yaml", "f:1:4", "not closed in its line"),
+        ('a: "x" y\n', "bad-yaml", "f:1:8", "all of it in quotes"),
+        ('a: {b: "x" y}\n', "bad-yaml", "f:1:12", "all of it in quotes"),
+        ('a: "\\q"\n', "bad-yaml", "f:1:5", "single quotes"),
+        ("a: {b: 1\nc: 2\n", "bad-yaml", "f:1:4", "`{` that opens here"),
+        ("a: [1, 2\nc: 3\n", "bad-yaml", "f:1:4", "`[` that opens here"),
+        ("a: {b: 1}}\n", "bad-yaml", "f:1:10", "`}` is too many"),
+        ("a:\n  b: x\n   c: [1, {d: 2}]\n", "bad-yaml", "f:3:5", "indentation"),
+        ("a:\n  b: {c: [1]}\n   d: 2\n", "bad-yaml", "f:3:4", "indentation"),
+        ("a:\n  b: 1\n c: 2\n", "bad-yaml", "f:3:2", "indentation"),
+        ("  a: 1\nb: 2\n", "bad-yaml", "f:2:1", "indentation"),
+        ("a: 1\nb\nc: 2\n", "bad-yaml", "f:3:1", "colon"),
+        ("a: @b\n", "bad-yaml", "f:1:4", "quotes"),
+        ("a: > 3\n", "bad-yaml", "f:1:6", "quotes"),
+        ("a: 1\nb: x\x07y\n", "bad-yaml", "f:2:5", '"\\x07"'),
+        ("a: \0b\n", "bad-yaml", "f:1:4", "UTF-16"),
+        ("a: b\nc: \ud800\n", "not-text", "f:2:4", "surrogate"),
         ("a: " + "[" * 300 + "]" * 300, "too-deep", "f:1:203", ""),
         ("a: [" + "x," * 10_000 + "]", "too-many-nodes", "f:1:19999", ""),
         ("a: " + "x" * MAX_BYTES, "too-large", "f", ""),
@@ -135,19 +152,22 @@ def test_files(tmp_path: Path) -> None:
     good.write_bytes(b"\xef\xbb\xbfa: \xc3\xa9\n")
     assert plain(read_file(good)) == {"a": "é"}
     latin = tmp_path / "latin.yaml"
-    latin.write_bytes(b"a: \xe9\n")
+    latin.write_bytes("a: é\nb: caf".encode() + b"\xe9\n")
+    utf16 = tmp_path / "utf16.yaml"
+    utf16.write_text("a: 1\n", "utf-16")
     large = tmp_path / "large.yaml"
     large.write_bytes(b"#" * (MAX_BYTES + 1))
-    for path, code in {
-        tmp_path / "none.yaml": "no-such-file",
-        tmp_path: "not-a-file",
-        latin: "not-text",
-        large: "too-large",
-    }.items():
+    for path, code, where, hint in (
+        (tmp_path / "none.yaml", "no-such-file", "shown", None),
+        (tmp_path, "not-a-file", "shown", "name a .yaml file inside it"),
+        (latin, "not-text", "shown:2:7", "save it as UTF-8; in Latin-1 this would be 'é'"),
+        (utf16, "not-text", "shown:1:1", "save it as UTF-8"),
+        (large, "too-large", "shown", None),
+    ):
         with pytest.raises(UserError) as raised:
             read_file(path, "shown")
         (found,) = raised.value.faults
-        assert (found.code, str(found.where)) == (code, "shown")
+        assert (found.code, str(found.where), found.hint) == (code, where, hint)
 
 
 YAML = st.lists(

@@ -85,7 +85,7 @@ def test_no_quantity(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "number"),
-    [("4", 4), ("-0.5", -0.5), ("1e-3", 0.001), (".5", 0.5), ("5.", 5.0), ("010", 10), ("1:30", None),
+    [("4", 4), ("-0.5", -0.5), ("1e-3", 0.001), (".5", 0.5), ("5.", 5.0), ("010", None), ("-05", None), ("0.5", 0.5), ("0", 0), ("1:30", None),
      ("0x10", None), ("1_000", None), ("", None), ("nan", None), ("inf", None), ("٣", None)],
 )  # fmt: skip
 def test_number(text: str, number: float | None) -> None:
