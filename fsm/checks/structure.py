@@ -182,28 +182,34 @@ def dead_timers(late: Mapping[After, After]) -> Iterator[Fault]:
 def late_timers(graph: Graph) -> dict[After, After]:
     """The timers that never come, each with one that is sure to leave its state before."""
     found: dict[After, After] = {}
+    leaving = {node.index: _first_to_leave(node) for node in graph.nodes if node.afters}
     for node in graph.nodes:
         if not node.afters:
             continue
-        around = [place for place in (node, *node.ancestors) if place.afters]
-        for after in node.afters if len(node.afters) > 1 or len(around) > 1 else ():
+        around = [place.index for place in (node, *node.ancestors) if place.afters]
+        for after in node.afters:
             seconds = _seconds(after)
-            earlier = (a for place in around for a in place.afters if _leaves(a, seconds, place))
-            first = None if seconds is None else next(earlier, None)
+            sure = (leaving[place] for place in around)
+            before = (a for due, a in sure if a and seconds is not None and due < seconds)
+            first = next(before, None)
             if first is not None:
                 found[after] = first
     return found
+
+
+def _first_to_leave(node: Node) -> tuple[float, After | None]:
+    """The first timer of a state that is sure to leave it, and when it is due."""
+    sure = [(_seconds(after), after) for after in node.afters if _leaves(after, node)]
+    known = [(seconds, after) for seconds, after in sure if seconds is not None]
+    return min(known, key=lambda each: each[0], default=(0.0, None))
 
 
 def _seconds(after: After) -> float | None:
     return float(after.duration.value()) if after.duration.constant else None
 
 
-def _leaves(after: After, seconds: float | None, node: Node) -> bool:
-    """Whether a timer of a state is sure to leave it before so many seconds have passed."""
-    due = _seconds(after)
-    if due is None or seconds is None or due >= seconds:
-        return False
+def _leaves(after: After, node: Node) -> bool:
+    """Whether a timer of a state is sure to leave it when it is due."""
     for edge in after.edges:
         if edge.domain is None or not edge.domain.contains(node):
             return False
