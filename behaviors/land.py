@@ -7,7 +7,7 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.manoeuvre import PendingOrder
+from behaviors.landing import PendingLanding
 from behaviors.params import BehaviorParams, param
 from fsm.host import Outcome
 
@@ -15,7 +15,8 @@ from fsm.host import Outcome
 class Land(Behavior):
     """Descend where it is and switch the motors off on the ground.
 
-    Done by contact with the ground, from any height.
+    Done when it stands on the ground or on a thing, from any height. Where it does not stand, on a
+    ball, an edge or a steep roof, it tries again 1.5 m beside, three times; then it has failed.
     """
 
     class Params(BehaviorParams):
@@ -25,7 +26,7 @@ class Land(Behavior):
     ends_landed = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.pending = PendingOrder(flight.land(), flight.now, self.params.timeout, progress)
+        self.pending = PendingLanding(flight.land, flight.now, self.params.timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         return self.pending.step(flight)

@@ -31,11 +31,15 @@ class PendingOrder:
     def step(self, flight: Flight) -> Outcome | str | None:
         """The outcome: ``done``, or ``failed`` if refused, lost or too slow; None before."""
         order = self.order
-        self.waited = flight.now - self.started
         if order.state == "done":
             return "done"
         if order.ended:
             return Outcome("failed", {"reason": f"{order.verb} {order.state}: {order.reason}"})
+        return self.too_slow(flight)
+
+    def too_slow(self, flight: Flight) -> Outcome | None:
+        """The outcome ``failed`` once the timeout is over."""
+        self.waited = flight.now - self.started
         if self.waited >= self.timeout - EPSILON:
-            return Outcome("failed", {"reason": f"{order.verb} took too long"})
+            return Outcome("failed", {"reason": f"{self.order.verb} took too long"})
         return None

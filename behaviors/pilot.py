@@ -17,6 +17,7 @@ from behaviors.calls import Calls, CodeFailed
 from behaviors.channel import Channel
 from behaviors.frame import MissionFrame
 from behaviors.host_functions import HOST_FUNCTIONS
+from behaviors.landing import Aside, Descent, is_unstable
 from behaviors.vocabulary import VehicleView
 from behaviors.watch import Thresholds, Watch
 from fsm.chart.graph import Graph
@@ -93,6 +94,9 @@ class Pilot:
         without those in which others are known to fly.
         """
         self._landing_asked = -inf
+        self._descent = Descent()
+        self._aside: Aside | None = None
+        """The way to another place to land, where it did not stand; None while it lands."""
         self._noted = "alive", "mission"
         """Link and authority in the last records of them."""
         self._refusal = ""
@@ -162,7 +166,7 @@ class Pilot:
             return
         function = self.instance.graph.vocabulary.functions[name].implementation
         try:
-            self._calls.run(function, **{name: copied(value) for name, value in arguments.items()})
+            self._calls.run(lambda: function(**copied(dict(arguments))))
         except CodeFailed as error:
             self._lapses.add(str(error))
             raise EvaluationError(str(error)) from None
@@ -186,7 +190,8 @@ class Pilot:
         seen = self.channel.observe(dt)
         self._note(seen)
         if self.outcome is None:
-            self._lapses.clear()
+            if self._lapses:
+                self._lapses.clear()
             for name, fields in self._watch.events(seen, dt):
                 if name == "vehicle.late":
                     self.instance.record("late", **fields)
@@ -290,7 +295,9 @@ class Pilot:
         return self.channel.observation.authority in ("operator", "autopilot")
 
     def _bring_down(self, dt: float) -> None:
-        """Hold, then land; order the landing again when it is refused or lost."""
+        """Hold, then land; order it again when it is refused or lost, or beside where it does not
+        stand.
+        """
         seen, landing = self.channel.observation, self.landing
         if self._is_down():
             return
@@ -312,17 +319,33 @@ class Pilot:
             raise VehicleError("cannot-land", f"the vehicle did not land within {timeout:.0f} s")
         if landing is None and self._ended_for < HOLD_BEFORE_LANDING and seen.flying:
             self.vehicle.command(Hold())
-        elif landing is None or (landing.state in ("refused", "lost") and self._may_ask_again()):
+        elif landing is None or (not self._goes_aside(seen, landing) and self._may_ask(landing)):
             self._land()
         self._ended_for += dt
+
+    def _goes_aside(self, seen: Observation, landing: Order) -> bool:
+        """Fly to a place beside, to land there, if it does not stand where it came down."""
+        if landing.state == "refused" and is_unstable(seen):
+            self._aside = self._descent.aside(seen)
+        if self._aside is None:
+            self._descent.watch(seen)
+            return False
+        self.channel.setpoint = self._aside.step(seen)
+        if self.channel.setpoint is None:
+            self._aside = None
+            return False
+        self.channel.send()
+        return True
 
     def _land(self) -> None:
         self.instance.record("landing", by="host")
         self._landing_asked = self.channel.now
         self.landing = self.vehicle.land()
 
-    def _may_ask_again(self) -> bool:
-        return self.channel.now - self._landing_asked >= LANDING_RETRY
+    def _may_ask(self, landing: Order) -> bool:
+        """Whether to order it again."""
+        waited = self.channel.now - self._landing_asked
+        return landing.state in ("refused", "lost") and waited >= LANDING_RETRY
 
     def _command(self) -> None:
         """Command the set-point of the behaviour in control; without one, hold."""

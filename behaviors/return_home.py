@@ -7,7 +7,7 @@ from typing import Any
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.manoeuvre import PendingOrder
+from behaviors.landing import PendingLanding
 from behaviors.params import BehaviorParams, param
 from fsm.host import Outcome
 
@@ -15,8 +15,9 @@ from fsm.host import Outcome
 class ReturnHome(Behavior):
     """Let the vehicle fly home by its own means and land there.
 
-    On a real vehicle this is the autopilot's return mode, with its own height and speed. To fly
-    home and stay in the air, use ``goto`` with ``to: home``.
+    On a real vehicle this is the autopilot's return mode, with its own height and speed. Where it
+    does not stand at home it tries to land beside, as ``land`` does. To fly home and stay in the
+    air, use ``goto`` with ``to: home``.
     """
 
     class Params(BehaviorParams):
@@ -26,8 +27,8 @@ class ReturnHome(Behavior):
     ends_landed = True
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        order = flight.return_home()
-        self.pending = PendingOrder(order, flight.now, self.params.timeout, progress)
+        order, timeout = flight.return_home, self.params.timeout
+        self.pending = PendingLanding(order, flight.now, timeout, progress)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         return self.pending.step(flight)

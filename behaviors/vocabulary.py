@@ -45,6 +45,7 @@ EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
         "autopilot.failsafe": {"reason": TEXT},
         "vehicle.late": {"step": Number(TIME)},
         "vehicle.collision": {"thing": TEXT},
+        "vehicle.unstable": {"thing": TEXT},
     }
 )
 REACTIONS: Mapping[str, Reaction] = MappingProxyType(

@@ -71,8 +71,7 @@ def check(
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
     """
     with user_code(call_limit) as limit:
-        calls = None if no_code else limit.calls
-        reports = [_report(mission, world, calls) for mission in missions_]
+        reports = [_report(mission, world, not no_code, limit.calls) for mission in missions_]
     if backend is not None:
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
@@ -84,9 +83,7 @@ def check(
     sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
 
 
-def _report(mission: str, world: str | None, calls: Calls | None) -> Report:
-    """The report on one file; without ``calls`` no Python is run."""
-    code = calls is not None
+def _report(mission: str, world: str | None, code: bool, calls: Calls) -> Report:
     try:
         graph = prepare(missions.find(mission), world, code=code, calls=calls).graph
     except UserError as error:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from runner.run_folder import Run, Sample, read_run
 from vencejo.errors import UserError, Where, cannot_write
+from vencejo.files import write_whole
 
 NAME = "flight.png"
 
@@ -89,9 +90,8 @@ def draw(folder: Path) -> Path:
     image, path = BytesIO(), folder / NAME
     figure.savefig(image, format="png", dpi=110)
     try:
-        path.write_bytes(image.getbuffer())
+        write_whole(path, image.getbuffer())
     except OSError as error:
-        path.unlink(missing_ok=True)
         message = "this picture cannot be written"
         raise cannot_write(error, "cannot-write", message, Where(str(path))) from None
     return path

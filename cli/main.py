@@ -12,8 +12,8 @@ from pathlib import Path
 import click
 
 from cli.ending import not_kept_alive
-from cli.output import Output
-from vencejo.errors import OutputError, Stopped, UserError, Where, cannot_write, nearest
+from cli.output import Output, written_code
+from vencejo.errors import Stopped, UserError, Where, cannot_write, nearest
 from vencejo.version import __version__
 
 COMMANDS = {
@@ -101,14 +101,8 @@ def main() -> None:
     _open_descriptors()
     out, err = Output(sys.stdout), Output(sys.stderr)
     with redirect_stdout(out), redirect_stderr(err):
-        code = _run(out)
-        out.flush()
-        if out.lost:
-            message = f"the output could not be written: {out.lost}"
-            click.echo(str(OutputError("output-lost", message)), err=True)
-        err.flush()
-    # What was found or flown stands in the other codes; these two say that all went well so far.
-    sys.exit(OutputError.exit_code if (out.lost or err.lost) and code in (0, 1) else code)
+        code = written_code(_run(out), out, err)
+    sys.exit(code)
 
 
 def _open_descriptors() -> None:

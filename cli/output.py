@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import codecs
 import errno
-import json
 import os
 import sys
 from collections.abc import Callable
@@ -17,6 +16,8 @@ from io import TextIOBase, TextIOWrapper
 from typing import Any, TextIO
 
 import click
+
+from vencejo.errors import OutputError
 
 _GONE = (errno.EPIPE, errno.EIO, errno.ECONNRESET)
 """Errors of a stream that nobody reads any more: a closed pipe, terminal or connection."""
@@ -109,6 +110,21 @@ class Output(TextIOBase):
         return True
 
 
+def written_code(code: int, out: TextIO | Output, err: TextIO | Output) -> int:
+    """Flush both streams at the end of a command and tell whether the output could not be written.
+
+    ``code`` is the exit code so far; where all went well it becomes that of OutputError.
+    """
+    out.flush()
+    if isinstance(out, Output) and out.lost:
+        message = f"the output could not be written: {out.lost}"
+        err.write(f"{OutputError('output-lost', message)}\n")
+    err.flush()
+    lost = any(isinstance(stream, Output) and stream.lost for stream in (out, err))
+    # What was found or flown stands in the other codes; these two say that all went well so far.
+    return OutputError.exit_code if lost and code in (0, 1) else code
+
+
 def echo_json(
     value: object, *, indent: int | None = None, default: Callable[[Any], Any] | None = None
 ) -> None:
@@ -116,6 +132,8 @@ def echo_json(
 
     ``indent`` and ``default`` are those of ``json.dumps``.
     """
+    import json  # late: most commands print none, and have a shorter start without it
+
     out: object = sys.stdout
     escaped = isinstance(out, Output) and not out.unicode
     click.echo(json.dumps(value, ensure_ascii=escaped, indent=indent, default=default))

@@ -93,6 +93,8 @@ class FakeVehicle(BaseVehicle):
         """Velocity that the wind adds to the vehicle's, world frame, m/s."""
         self.stuck = False
         """True to let it stay in its place whatever it is commanded."""
+        self.unstable_on: list[str] = []
+        """Names of the things on which it comes down and does not stand, landing by landing."""
         self.refuse_next: str | None = None
         """Reason for which the next verb, and only that one, is refused."""
         self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
@@ -358,7 +360,16 @@ class FakeVehicle(BaseVehicle):
         elif self._mode == "returning" and horizontal_distance(self.position, self._home) < 1e-6:
             self._mode = "landing"
         elif self._mode in ("landing", "stopped") and not self._is_aloft():
-            self._stop_motors()
+            if self._mode == "landing" and self.unstable_on:
+                self._leave(self.unstable_on.pop(0))
+            else:
+                self._stop_motors()
+
+    def _leave(self, thing: str) -> None:
+        """Fly again, since it does not stand on a thing."""
+        self.tell("vehicle.unstable", thing=thing)
+        self.orders.end(f"it does not stand on the {thing}")
+        self._mode, self._setpoint = "flying", Hold()
 
 
 class FakeSession(BaseSession[FakeVehicle]):

@@ -93,7 +93,7 @@ class Observation(NamedTuple):
     """The present position of the origin of epoch 0, world frame, metres."""
     events: tuple[VehicleEvent, ...] = ()
     """The events of this period, for instance ``vehicle.collision`` for each thing that it begins
-    to touch, except the one that it stands on."""
+    to touch, except the one that it stands or comes down on."""
 
 
 class Velocity(NamedTuple):
@@ -298,10 +298,14 @@ class Vehicle(Protocol):
         """
 
     def land(self) -> Order:
-        """Descend here and disarm; done on the ground with the motors off."""
+        """Descend here and disarm; done when it stands with the motors off.
+
+        A vehicle that finds that it does not stand where it came down flies again and holds. The
+        order is then refused, and ``vehicle.unstable`` is among the events of that period.
+        """
 
     def return_home(self) -> Order:
-        """Fly home in the vehicle's own return mode and land there."""
+        """Fly home in the vehicle's own return mode and land there, as :meth:`land` does."""
 
     def emergency_stop(self) -> Order:
         """Stop the motors at once, wherever it is."""

@@ -54,6 +54,8 @@ class Airframe:
     standby_power: float = 5.0
     """Power that the board draws with the motors off, watts (assumed)."""
 
+    steepest_ground: float = 25 * pi / 180
+    """Steepest slope on which it stands, radians (assumed; its skids slide from 32° on)."""
     steepest: float = 60 * pi / 180
     """Upper bound of the tilt limit, radians: the motors' thrust carries the weight up to there."""
     profiles: Mapping[str, Limits] = field(default_factory=lambda: PROFILES)

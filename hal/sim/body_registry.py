@@ -10,6 +10,8 @@ from hal.sim.physics import Triple
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import distance_to
 
+GAP = 0.005
+"""Bodies this near touch, metres: Bullet reports contacts a little before."""
 _CELLS_PER_METRE = 50
 
 
@@ -19,6 +21,8 @@ class BodyPieces(NamedTuple):
     pieces: Sequence[Piece] = ()
     moves: bool = False
     """True for a moving body, whose pieces all belong to one thing."""
+    free: bool = False
+    """True for a free body, whose path nothing determines."""
 
 
 class BodyRegistry:
@@ -29,9 +33,12 @@ class BodyRegistry:
         self._bodies: dict[int, BodyPieces] = {}
         self._names: dict[tuple[int, ...], str] = {}
         """Cache of names, by body and cell of space."""
+        self.has_movers = False
+        """True when a thing moves along a path."""
 
     def add(self, body: int, pieces: BodyPieces) -> None:
         self._bodies[body] = pieces
+        self.has_movers = self.has_movers or self.is_mover(body)
 
     def name_at(self, body: int, place: Triple) -> str:
         """The name of the thing of a body that is touched at a place (world frame, metres).
@@ -39,7 +46,7 @@ class BodyRegistry:
         It is empty for the ground. Bullet does not report which shape of a body a contact is with:
         it is the nearest one.
         """
-        pieces, moves = self._bodies[body]
+        pieces, moves, _ = self._bodies[body]
         if len(pieces) <= 1 or moves:
             return pieces[0].name if pieces else ""
         # A vehicle that presses against a thing touches it in the same cells, step after step.
@@ -48,6 +55,15 @@ class BodyRegistry:
             there = Point(*place)
             self._names[cell] = min(pieces, key=lambda piece: _distance(piece, there)).name
         return self._names[cell]
+
+    def is_mover(self, body: int) -> bool:
+        """Whether it moves along a path."""
+        pieces = self._bodies[body]
+        return pieces.moves and not pieces.free
+
+    def is_free(self, body: int) -> bool:
+        """Whether it is a free body."""
+        return self._bodies[body].free
 
     def velocity_at(self, body: int, place: Triple) -> Triple:
         """The velocity of a body at a place (world frame), m/s."""

@@ -13,7 +13,7 @@ from importlib.metadata import version
 from math import dist, inf
 from typing import Any
 
-from hal.sim.body_registry import BodyPieces, BodyRegistry
+from hal.sim.body_registry import GAP, BodyPieces, BodyRegistry
 from hal.sim.collision_shapes import (
     Piece,
     chunks,
@@ -23,8 +23,9 @@ from hal.sim.collision_shapes import (
     ray_mesh,
 )
 from hal.sim.hills import earth, height_field, slowed_above
+from hal.sim.mooring import Mooring
 from hal.sim.movers import Mover
-from hal.sim.physics import GRAVITY, STEP, BodyState, Contacts, Triple
+from hal.sim.physics import GRAVITY, STEP, BodyState, Touch, Triple
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
@@ -33,10 +34,9 @@ _RAY, _FIXED, _FREE, _RAY_MESH = 1, 2, 4, 8
 """Collision groups. Two bodies collide when either's mask has the other's group; a ray, which is of
 group 1, hits a body when both do.
 """
-_GAP = 0.005
-"""Bodies this near touch, metres: Bullet reports contacts a little before."""
-_SUPPORTING = 0.5
-"""A contact supports when its unit normal rises more than this: on slopes of less than 60°."""
+_FRICTION, _GRIP = 0.8, 2.5
+"""Lateral friction of bodies, and of moving things, which have a landing net; that of two bodies in
+contact is the product."""
 _STILL, _STILL_TURNING = 1e-3, 5e-3
 """Speed, m/s, and angular speed, rad/s, below which a body stands still."""
 _STEPS_BETWEEN_LOOKS = 24
@@ -134,7 +134,8 @@ class Bullet:
             if each.motion is not None:
                 for chunk in chunks(pieces_of(each)):
                     mover = Mover(p, client, each, chunk)
-                    self._register(mover.body, _FIXED, _FREE | _RAY, BodyPieces(chunk, moves=True))
+                    moving = BodyPieces(chunk, moves=True)
+                    self._register(mover.body, _FIXED, _FREE | _RAY, moving, _GRIP)
                     self._movers.append(mover)
 
     def _fix(
@@ -152,11 +153,13 @@ class Bullet:
         )
         self._register(body, group, mask, BodyPieces(pieces))
 
-    def _register(self, body: int, group: int, mask: int, pieces: BodyPieces) -> None:
+    def _register(
+        self, body: int, group: int, mask: int, pieces: BodyPieces, friction: float = _FRICTION
+    ) -> None:
         """Set a new body's collision groups and friction, and remember what it consists of."""
         p, client = self._p, self._client
         p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=client)
-        p.changeDynamics(body, -1, lateralFriction=0.8, restitution=0, physicsClientId=client)
+        p.changeDynamics(body, -1, lateralFriction=friction, restitution=0, physicsClientId=client)
         self._registry.add(body, pieces)
 
     def add_body(
@@ -176,7 +179,7 @@ class Bullet:
             mass, shape, -1, position, attitude, physicsClientId=self._client
         )
         piece = Piece(name, Cuboid(Point(*size)), _ORIGIN, UPRIGHT)
-        self._register(body, _FREE, _FIXED | _FREE, BodyPieces([piece], moves=True))
+        self._register(body, _FREE, _FIXED | _FREE, BodyPieces([piece], True, True))
         p.changeDynamics(
             body,
             -1,
@@ -252,6 +255,7 @@ class BulletBody:
         self._torque = partial(p.applyExternalTorque, body, -1)
         self._contacts = partial(p.getContactPoints, body, physicsClientId=client)
         self._own_axes = p.LINK_FRAME
+        self.moor = Mooring(p, client, body, registry).update
         self._client = client
         self._registry = registry
         self._thickness = thickness
@@ -306,21 +310,20 @@ class BulletBody:
             self._may_sleep = False
             self._activate(activationState=self._wake)
 
-    def contacts(self) -> Contacts:
-        support: Triple | None = None
-        beside = []
+    def contacts(self) -> Sequence[Touch]:
         # Fields of a contact: 2 and 6 are the other body and the place on it, 7 the contact's
         # normal from the other towards this one, 8 the gap.
-        for contact in self._contacts():
-            if contact[8] >= _GAP:
-                continue
-            if contact[7][2] > _SUPPORTING:
-                support = support or self._registry.velocity_at(contact[2], contact[6])
-            else:
-                beside.append(self._registry.name_at(contact[2], contact[6]))
-        return Contacts(support, tuple(name for name in beside if name))
-
-    def supported(self) -> bool:
-        return any(
-            contact[7][2] > _SUPPORTING and contact[8] < _GAP for contact in self._contacts()
-        )
+        found = [contact for contact in self._contacts() if contact[8] < GAP]
+        if not found:
+            return ()
+        registry, (middle, _) = self._registry, self._position()
+        return [
+            Touch(
+                registry.name_at(contact[2], contact[6]),
+                contact[6],
+                contact[7],
+                registry.velocity_at(contact[2], middle),
+                registry.is_free(contact[2]),
+            )
+            for contact in found
+        ]

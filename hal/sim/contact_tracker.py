@@ -1,16 +1,31 @@
-"""The contacts of a vehicle: support, collisions, and rest after a landing."""
+"""The contacts of a vehicle: collisions, what it stands on, and whether it is at rest there."""
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Sequence
+from math import cos, hypot, pi, sin
+
+from hal.sim.airframe import Airframe
 from hal.sim.contact_debouncer import ContactDebouncer
 from hal.sim.obstacle_heights import ObstacleHeightGrid
-from hal.sim.physics import Body, BodyState, Physics, Triple
+from hal.sim.physics import Body, BodyState, Physics, Touch, Triple
 from vencejo.geometry import distance
 
 REST = 0.1
 """Speed below which a vehicle counts as at rest, m/s."""
-_SETTLED, _SETTLED_ON_AN_EDGE = 10, 40
-"""Mission periods at rest that end a landing: with ground below the centre, and without."""
+_ROCKING = 0.2
+"""Rate of roll and pitch below which it is at rest, rad/s."""
+_SOFT = 0.6
+"""Closing speed up to which a vehicle touches down, m/s; a faster touch is a hit."""
+_FROM_BELOW = 0.1
+"""Least upward part of the unit normal of what touches from below."""
+_SETTLED = 10
+"""Mission periods at rest after which it has settled."""
+_BASE = 0.05
+"""Horizontal distance from the centre of mass to which what it stands on reaches at least, in every
+direction, metres."""
+_DIRECTIONS = tuple((cos(k * pi / 8), sin(k * pi / 8)) for k in range(16))
 _FARTHEST_GROUND = 1000.0
 """Range of the search for the ground below, metres."""
 
@@ -22,65 +37,115 @@ class ContactTracker:
         self,
         physics: Physics,
         body: Body,
-        height: float,
+        airframe: Airframe,
         obstacles: ObstacleHeightGrid | None,
     ) -> None:
-        """``height``: of the centre of mass above the skids, metres.
-
-        ``obstacles``: where contacts are possible; without it they are looked up always.
-        """
+        """``obstacles``: where contacts are possible; without it they are looked up always."""
         self._physics = physics
         self._body = body
-        self._height = height
+        self._height = airframe.height
+        self._level = cos(airframe.steepest_ground)
+        """Least upward part of the unit normal of a surface that it can stand on."""
         self._obstacles = obstacles
-        self._support_velocity: Triple | None = None
-        """Velocity of the vehicle's support, m/s, world frame; None without support."""
+        self._touches: Sequence[Touch] = ()
+        """Of the last physics step."""
         self._collisions = ContactDebouncer()
+        self._velocity: Triple = (0.0, 0.0, 0.0)
+        """Before the next physics step, m/s, world frame."""
+        self._may_stand = True
+        """True in this period when it stands, rises or comes down: then it may touch the ground."""
+        self._places: deque[tuple[float, float]] = deque(maxlen=40)
+        """Places that hold it up, east and north of the centre of mass, metres, since it rests."""
         self.near_things = True
         """True when the vehicle can touch a thing in this mission period."""
         self.supported = True
-        """True when the vehicle stands on something."""
-        self._still = 0
-        """Number of mission periods at rest."""
+        """True when the vehicle stands, or lies without thrust, on something."""
+        self.still = 0
+        """Number of mission periods at rest on what touches it from below."""
+        self.untouched = 0
+        """Number of mission periods since it was touched from below."""
+        self.thing = ""
+        """Name of what touched it from below last; empty for the ground."""
 
     @property
     def touched(self) -> tuple[str, ...]:
-        """Names of the things that it began to touch in the last period."""
+        """Names of the things that it hit in the last period."""
         return self._collisions.new
 
-    def begin_period(self, state: BodyState) -> None:
-        """Begin a mission period."""
+    @property
+    def settled(self) -> bool:
+        """Whether it has been at rest for long enough to end a landing."""
+        return self.still >= _SETTLED
+
+    def begin_period(self, state: BodyState, may_stand: bool) -> None:
+        """Begin a mission period.
+
+        ``may_stand``: it stands, rises or comes down, and may touch what it can stand on.
+        """
         obstacles = self._obstacles
         self.near_things = obstacles is None or obstacles.thing_near(*state[0])
-        self._support_velocity = None
+        self._may_stand = may_stand
+        self._touches = ()
+        self._velocity = state[2]
 
-    def update(self) -> None:
+    def update(self, state: BodyState) -> None:
         """Read the contacts after a physics step."""
-        self._support_velocity, beside = self._body.contacts()
-        self._collisions.add(beside)
+        self._touches = touches = self._body.contacts()
+        for touch in touches:
+            if touch.name:
+                self._collisions.add(touch.name, self._is_hit(touch))
+        self._velocity = state[2]
 
-    def end_period(self, state: BodyState, active: bool) -> None:
+    def _is_hit(self, touch: Touch) -> bool:
+        nx, ny, nz = touch.normal
+        if not self._may_stand or touch.free or nz < self._level:
+            return True
+        vx, vy, vz = self._velocity
+        x, y, z = touch.velocity
+        return (x - vx) * nx + (y - vy) * ny + (z - vz) * nz > _SOFT
+
+    def end_period(self, state: BodyState, active: bool, thrust: bool) -> None:
         """End a mission period; unless ``active``, support and rest stay as they are."""
         obstacles = self._obstacles
-        near_ground = obstacles is not None and state[0][2] < obstacles.ground
-        if active and near_ground and not self.near_things:
-            self.update()  # touching the ground is no collision: once a period is enough
-        self._collisions.end_period()
         if not active:
-            return
-        support = self._support_velocity
-        self.supported = support is not None
-        # On a moving support the vehicle rests when it moves along.
-        resting = support is not None and distance(state[2], support) < REST
-        self._still = self._still + 1 if resting else 0
+            if self.near_things:
+                self.update(state)  # hit while it is parked: once a period is enough
+        elif not self.near_things and obstacles and state[0][2] < obstacles.ground:
+            self._touches = self._body.contacts()  # the ground alone: no collision
+        self._collisions.end_period()
+        if active:
+            self._update_rest(state, thrust)
 
-    def settled(self, on_an_edge: bool = False) -> bool:
-        """Whether it has been at rest for long enough to end a landing."""
-        return self._still >= (_SETTLED_ON_AN_EDGE if on_an_edge else _SETTLED)
+    def _update_rest(self, state: BodyState, thrust: bool) -> None:
+        self.untouched += 1
+        below = [touch for touch in self._touches if touch.normal[2] > _FROM_BELOW]
+        if not below:
+            self.supported, self.still = False, 0
+            self._places.clear()
+            return
+        (x, y, _), _, velocity, (roll, pitch, _) = state
+        level = [touch for touch in below if touch.normal[2] >= self._level and not touch.free]
+        main = (level or below)[0]
+        self.untouched = 0
+        self.thing = next((touch.name for touch in below if touch.name), "")
+        # On a moving carrier the vehicle rests when it moves along.
+        resting = distance(velocity, main.velocity) < REST and hypot(roll, pitch) < _ROCKING
+        self.still = self.still + 1 if resting else 0
+        if not resting:
+            self._places.clear()
+        self._places += [(touch.place[0] - x, touch.place[1] - y) for touch in level]
+        self.supported = bool(level) or (not thrust and self.settled)
+
+    def has_footing(self) -> bool:
+        """Whether what it touches holds it up on all sides of its centre of mass."""
+        places = self._places
+        return bool(places) and all(
+            max(east * x + north * y for x, y in places) >= _BASE for east, north in _DIRECTIONS
+        )
 
     def restart_rest(self) -> None:
         """Count the periods at rest anew, since the vehicle changes its mode."""
-        self._still = 0
+        self.still = 0
 
     def height_above_ground(self, state: BodyState) -> float:
         """Height of the skids above the ground or thing straight below, metres."""

@@ -20,13 +20,20 @@ BodyState = tuple[Triple, Quaternion, Triple, Triple]
 (rad/s); world frame."""
 
 
-class Contacts(NamedTuple):
-    """The contacts of a body: with what supports it, and others."""
+class Touch(NamedTuple):
+    """A place at which the ground, a thing or another body touches a body."""
 
-    support_velocity: Triple | None = None
-    """Velocity of the support at the contact, m/s, world frame; None without support."""
-    beside: tuple[str, ...] = ()
-    """Names of the things and bodies that touch it elsewhere; the ground has no name."""
+    name: str
+    """Name of the thing or body; the ground has none."""
+    place: Triple
+    """World frame, metres."""
+    normal: Triple
+    """Unit normal of the surface there, towards the touched body, world frame."""
+    velocity: Triple
+    """The velocity that the touched body has when it is carried along, at its centre of mass, m/s,
+    world frame."""
+    free: bool = False
+    """True for another free body, on which nothing stands."""
 
 
 class RayHits(Protocol):
@@ -53,11 +60,14 @@ class Body(Protocol):
     def push(self, thrust: float, x: float, y: float, z: float) -> None:
         """Apply a force (N) along its own z and torques (N·m) about its own axes for one step."""
 
-    def contacts(self) -> Contacts:
-        """Its contacts in the last step."""
+    def moor(self, moored: bool) -> None:
+        """Let it keep its place on the moving thing on which it stands, or no longer.
 
-    def supported(self) -> bool:
-        """Whether a contact supports it, as of :meth:`contacts`."""
+        It is asked for every few steps, and ends where anything else touches the body.
+        """
+
+    def contacts(self) -> Sequence[Touch]:
+        """The places at which it was touched in the last step, enough of them to span the area."""
 
 
 class Physics(Protocol):

@@ -18,6 +18,7 @@ from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import BodyState, Physics, in_body
 from hal.sim.pose_history import PoseHistory
 from hal.sim.starts import StartPose
+from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
     ACCEPTED,
     PERIOD,
@@ -49,6 +50,10 @@ _ARRIVED = 0.05
 """Distance within which a place or height is reached, metres."""
 _TOUCHDOWN_SPEED = 0.3
 """Least descent of a landing, m/s; above 0.3 m it is 1/s times the height above ground."""
+_CLEAR = 0.5
+"""Height by which it rises from what it does not stand on, metres."""
+_MAY_STAND = ("landed", "taking-off", "landing")
+"""Modes in which it may touch what it can stand on; in the others that is a collision."""
 
 
 class SimVehicle(BaseVehicle):
@@ -112,7 +117,10 @@ class SimVehicle(BaseVehicle):
         """In this mission period."""
         self._battery = Battery(airframe, charge)
         self._noise = noise
-        self._contacts = ContactTracker(physics, self._body, airframe.height, obstacles)
+        self._contacts = ContactTracker(physics, self._body, airframe, obstacles)
+        self._touchdown = Touchdown(self._contacts, airframe)
+        self._unstable = False
+        """True when it found in this period that it does not stand where it came down."""
         self._home = start.home
         self._time = 0.0
         self._mode = "landed"
@@ -167,11 +175,19 @@ class SimVehicle(BaseVehicle):
                 "the motors are stopped" if stopped else "",
                 0,
                 _ORIGIN,
-                tuple(VehicleEvent("vehicle.collision", {"thing": thing}) for thing in touched)
-                if touched
-                else (),
+                self._events(touched) if touched or self._unstable else (),
             )
         )
+
+    def _events(self, touched: tuple[str, ...]) -> tuple[VehicleEvent, ...]:
+        events = [VehicleEvent("vehicle.collision", {"thing": thing}) for thing in touched]
+        if self._unstable:
+            events.append(VehicleEvent("vehicle.unstable", {"thing": self._below()}))
+        return tuple(events)
+
+    def _below(self) -> str:
+        """What it touched last from below, in words."""
+        return self._contacts.thing or "ground"
 
     def lamps(self, time: float) -> tuple[Rgb, ...]:
         """The colours of its four lamps at a time of the session's clock (see hal.lights)."""
@@ -278,7 +294,9 @@ class SimVehicle(BaseVehicle):
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
+        self._body.moor(mode == "landed")
         self._contacts.restart_rest()
+        self._touchdown.restart()
         self._holding = False
         # The lowest altitude does not bind take-off, landing and return.
         self._controller.min_altitude = -inf
@@ -389,8 +407,11 @@ class SimVehicle(BaseVehicle):
         """Begin a mission period: carry out orders and set-points, and plan the control."""
         self.begin_period()
         self._controller.plan(self._state)
-        self._contacts.begin_period(self._state)
-        self._motors_run = self._armed and self._mode != "landed"
+        self._contacts.begin_period(self._state, self._mode in _MAY_STAND)
+        landed = self._mode == "landed"
+        self._motors_run = self._armed and not landed and not self._touchdown.idle
+        if landed:
+            self._body.moor(True)
         self._may_touch = self._contacts.near_things and self._is_active()
 
     def drive(self) -> None:
@@ -405,7 +426,7 @@ class SimVehicle(BaseVehicle):
         self._state = state = self._read_state()
         self._add_pose(state)
         if self._may_touch:
-            self._contacts.update()
+            self._contacts.update(state)
 
     def _is_active(self) -> bool:
         return self._armed or self._mode != "landed"
@@ -418,7 +439,8 @@ class SimVehicle(BaseVehicle):
         self._battery.drain(self._thrust_sum / STEPS_PER_PERIOD, PERIOD)
         self._thrust_sum = 0.0
         active = self._is_active()
-        self._contacts.end_period(self._state, active)
+        self._contacts.end_period(self._state, active, self._motors_run)
+        self._unstable = False
         if active:
             self._update_mode()
         self.end_period(self._observed())
@@ -437,7 +459,7 @@ class SimVehicle(BaseVehicle):
         elif self._mode == "returning":
             self._update_return()
         elif self._mode == "stopped":
-            if self._contacts.settled():
+            if self._contacts.settled:
                 self._enter("landed")
         elif self._braking and Point(*self._state[2]).norm() < REST:
             self._controller.fly_to(*self._position())
@@ -445,12 +467,24 @@ class SimVehicle(BaseVehicle):
 
     def _update_landing(self) -> None:
         height = self._contacts.height_above_ground(self._state)
-        if self._contacts.settled(on_an_edge=height >= _ARRIVED):
+        verdict = self._touchdown.update(self._state, height)
+        if verdict == "stands":
             self._stop_motors()
-            return
-        self._hold_when_at_rest()
-        controller = self._controller
-        controller.climb_at(-max(_TOUCHDOWN_SPEED, min(height, controller.max_climb)))
+        elif verdict == "unstable":
+            self._leave()
+        else:
+            self._hold_when_at_rest()
+            sinking = max(_TOUCHDOWN_SPEED, min(height, self._controller.max_climb))
+            self._controller.climb_at(-sinking)
+
+    def _leave(self) -> None:
+        """Rise from what it does not stand on, and hold there."""
+        self._unstable = True
+        self.orders.end(f"it does not stand on the {self._below()}")
+        self._enter("flying")
+        x, y, z = self._position()
+        self._controller.fly_to(x, y, z + _CLEAR)
+        self._holding = True
 
     def _update_return(self) -> None:
         controller, position = self._controller, self._position()

@@ -76,6 +76,11 @@ class Solo:
                 break
         return self.outcome
 
+    def until_unstable(self) -> None:
+        """Step until the vehicle has come down where it does not stand."""
+        while not any(e.name == "vehicle.unstable" for e in self.vehicle.observe().events):
+            self.step()
+
     @property
     def word(self) -> str | None:
         return self.outcome.word if self.outcome else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.behaviors.flying import Solo, airborne
-from vencejo.geometry import Point
+from vencejo.geometry import Point, horizontal_distance
 
 
 def test_it_flies_home_and_lands_there() -> None:
@@ -31,3 +31,14 @@ def test_a_refusal_and_a_return_without_end_fail() -> None:
     solo.vehicle.stuck = True
     solo.run(10)
     assert solo.outcome and solo.outcome.fields == {"reason": "return_home took too long"}
+
+
+def test_where_it_does_not_stand_at_home_it_lands_beside() -> None:
+    session, vehicle = airborne()
+    vehicle.position = Point(20.0, -10.0, 3.0)
+    vehicle.unstable_on = ["ball"]
+    solo = Solo("return_home", vehicle=(session, vehicle))
+    solo.run(90)
+    assert solo.word == "done" and not vehicle.observe().armed
+    assert vehicle.verbs == ["takeoff", "return_home", "land"]
+    assert 1.0 <= horizontal_distance(vehicle.position, (0, 0, 0)) < 2.0

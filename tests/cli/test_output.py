@@ -125,7 +125,6 @@ def test_an_encoding_without_arrows(command: str, encoding: str, folder: Path) -
 @pytest.mark.slow
 @pytest.mark.parametrize("command", EVERY_COMMAND)
 def test_a_dumb_terminal(command: str, folder: Path) -> None:
-    """On a pseudo-terminal, by ``script``-like means of the standard library."""
     code, text = on_a_terminal(command, folder, TERM="dumb")
     assert code == EVERY_COMMAND[command]
     assert "\x1b" not in text and "Traceback" not in text
@@ -295,7 +294,7 @@ def test_a_picture_without_room_is_told(hop: str, monkeypatch: pytest.MonkeyPatc
     write_bytes = Path.write_bytes
 
     def full(path: Path, data: bytes) -> int:
-        if path.suffix == ".png":
+        if path.name == "flight.png.part":
             raise OSError(28, "No space left on device")
         return write_bytes(path, data)
 
@@ -303,6 +302,8 @@ def test_a_picture_without_room_is_told(hop: str, monkeypatch: pytest.MonkeyPatc
     done = run_cli("run", hop)
     assert done.code == 4
     assert "no picture: " in done.err and "No space left on device [cannot-write]" in done.err
+    (run,) = Path("runs").iterdir()
+    assert [path.name for path in run.iterdir() if "flight" in path.name] == []
     assert "✔ hop ended in 'done'" in done.out
 
 

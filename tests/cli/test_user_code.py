@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import dedent, indent
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 HEAD = """\
 import os, signal, sys, threading, time, warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import IO, Any
 from behaviors import Behavior, BehaviorParams, Outcome, Point, action, param
 from hal import Attitude, Hold, Lights, Position, Velocity
 
@@ -286,6 +286,25 @@ def test_what_does_no_harm_is_flown(case: str) -> None:
     assert (Path.cwd(), signal.getsignal(signal.SIGINT), sys.getrecursionlimit()) == before
 
 
+def test_ctrl_c_works_again_within_a_second() -> None:
+    ignore = "self.began = flight.now\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"
+    step = (
+        "if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:\n"
+        "    return Outcome('found', {'number': flight.now - self.began})"
+    )
+    code = behavior(step, start=ignore, body="outcomes = {'done': None, 'found': Facts}")
+    found = '{done: down, found: {target: down, actions: {log: "$event.number"}}}'
+    flight, _ = flown(code, MISSION.replace("{done: down}", found).replace("{1 s:", "{9 s:"))
+    (log,) = [entry for entry in flight.run.events if entry.kind == "log"]
+    assert float(log.fields["text"]) <= 1.0
+
+
+def test_pictures_are_kept_wherever_its_code_goes() -> None:
+    flight, _ = flown(behavior("os.chdir('/')\nflight.camera('front').latest()"))
+    assert flight.result.code == 0
+    assert flight.run.frames and all(frame.path.exists() for frame in flight.run.frames)
+
+
 HEAD_PRINTS = "print('hello, I am imported')\n"
 
 
@@ -431,11 +450,14 @@ def endless():
 """
 
 
-def in_a_process(*arguments: str, **settings: Any) -> subprocess.CompletedProcess[str]:
+def in_a_process(
+    *arguments: str, stdout: int | IO[str] = subprocess.PIPE, **settings: Any
+) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "tests.cli.drone_cli", *arguments],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
+        stdout=stdout,
+        stderr=subprocess.PIPE,
         text=True,
         timeout=60,
         check=False,
@@ -472,6 +494,16 @@ def test_what_swallows_even_that_is_landed_without_it(code: str, mission: str) -
 
 
 @pytest.mark.slow
+def test_what_swallows_even_that_still_tells_a_full_output() -> None:
+    written(SWALLOWS + behavior("endless()"))
+    with Path("/dev/full").open("w") as full:
+        done = in_a_process("run", "m.yaml", *SHORT, stdout=full)
+    assert (done.returncode, "[output-lost]" in done.stderr) == (4, True)
+    (folder,) = Path("runs").iterdir()
+    assert read_run(folder).telemetry["drone"][-1].mode == "landed"
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_an_import_that_swallows_even_that_ends_the_program(command: str) -> None:
     written(SWALLOWS + "endless()\n")
@@ -495,6 +527,21 @@ def test_a_thread_that_is_left_behind_does_not_keep_the_program_alive(lasts: str
     assert_landed_and_whole(flight)
     assert flight.result.code == 0
     assert "hello" in flight.result.err
+
+
+@pytest.mark.slow
+def test_a_process_that_is_left_behind_does_not_keep_the_program_alive() -> None:
+    start = "import multiprocessing as m; m.get_context('fork').Process(target=wait).start()"
+    written("def wait():\n    time.sleep(20)\n" + behavior(start=start))
+    began = time.monotonic()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.cli.drone_cli", "run", "m.yaml"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    assert process.wait(timeout=15) == 0
+    assert time.monotonic() - began < 15
 
 
 @pytest.mark.slow

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from hal.orders import Order
 from hal.sim import SimSession, open_session
+from hal.sim.bullet import Bullet
 from hal.vehicle import PERIOD, Observation, Options, Position, Session, Setpoint, Vehicle
 from vencejo.geometry import Point
+from worlds.world import World
 
 HIGH = Point(0.0, 0.0, 5.0)
 LONG = 1000.0
@@ -73,3 +75,17 @@ def hovering(
         vehicle = take_off(session, at.z)
         wait(session, 4 + 0.5 * Point(at.x, at.y, 0.0).norm(), Position(at, yaw=0.0))
         yield session, vehicle
+
+
+def session_of(world: World, vehicles: tuple[str, ...] = ("drone",)) -> SimSession:
+    """The simulator on a world that is in no file."""
+    return SimSession(Options(vehicles), world, Bullet())
+
+
+def told(seen: Iterable[Observation]) -> list[tuple[str, str]]:
+    """The collisions and unstable landings that were reported: event and thing."""
+    return [
+        (event.name.removeprefix("vehicle."), event.fields["thing"])
+        for each in seen
+        for event in each.events
+    ]

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from hal import Lights, Limits, Order
-from hal.fake import FakeSession
+from hal.fake import FakeSession, FakeVehicle
 from hal.orders import ANSWER_WITHIN, DONE_WITHIN
 from hal.sim import open_session
 from hal.vehicle import (
@@ -286,6 +286,42 @@ def test_lands_out_of_full_speed_without_harm(session: Session) -> None:
     wait(session, 3, Velocity(x=5.0, y=-2.0))
     finish(session, vehicle.land(), 15)
     assert vehicle.observe().health == ()
+
+
+BALL = "world: w\nspheres: {ball: {at: [4, 0], radius: 1 m}}\n"
+UNSTABLE = {"vehicle.unstable": {"thing": "ball"}}
+
+
+@pytest.fixture
+def over_a_ball(backend: str, tmp_path: Path) -> Iterator[Session]:
+    """A session with a vehicle that does not stand where it lands for the first time."""
+    world = tmp_path / "w.yaml"
+    world.write_text(BALL)
+    if backend == "example":
+        pytest.skip("it never knows whether it stands")
+    with OPENERS[backend](Options(world=str(world) if backend == "sim" else None)) as session:
+        session.wait()
+        vehicle = take_off(session, 4)
+        if isinstance(vehicle, FakeVehicle):
+            vehicle.unstable_on.append("ball")
+        wait(session, 5, Position(Point(4.0, 0.0, 4.0)))
+        yield session
+
+
+def test_where_it_does_not_stand_a_landing_is_refused_and_told(over_a_ball: Session) -> None:
+    vehicle, order = only(over_a_ball), only(over_a_ball).land()
+    wait_until(over_a_ball, lambda: order.ended, 20)
+    seen = vehicle.observe()
+    assert (order.state, order.reason) == ("refused", "it does not stand on the ball")
+    assert {event.name: event.fields for event in seen.events} == UNSTABLE
+    assert (seen.mode, seen.armed, seen.authority) == ("flying", True, "mission")
+    # It holds there, follows what it is told, and can land elsewhere.
+    held = wait(over_a_ball, 3, Hold())[-1]
+    assert held.velocity.norm() < 0.05 and held.events == ()
+    assert distance(held.position, seen.position) < 1.0
+    wait(over_a_ball, 4, Position(Point(4.0, 3.0, 4.0)))
+    finish(over_a_ball, vehicle.land(), 15)
+    assert near(vehicle.observe().position, 4, 3, 0)
 
 
 def test_a_landing_on_the_ground_disarms(session: Session) -> None:

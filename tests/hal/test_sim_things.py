@@ -14,7 +14,7 @@ from hal.sim import open_session
 from hal.sim.bullet import Bullet
 from hal.sim.contact_debouncer import ContactDebouncer
 from hal.sim.obstacle_heights import ObstacleHeightGrid
-from hal.sim.physics import GRAVITY, STEP, Body, Contacts, Triple
+from hal.sim.physics import GRAVITY, STEP, Body, Triple
 from hal.vehicle import Options, Position, VehicleEvent, Velocity
 from tests.hal.flying import LONG, finish, hovering, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of
@@ -75,14 +75,20 @@ def test_a_touch_has_the_name_of_the_thing(physics: Bullet) -> None:
     physics.add_things(boxes)
     body = drone(physics, (3.0 * 16 - 0.749, 0, 1))
     physics.step()
-    assert body.contacts() == Contacts(None, ("b16",) * 4)
-    assert not body.supported()
+    touches = body.contacts()
+    assert [(each.name, each.normal, each.free) for each in touches] == [
+        ("b16", pytest.approx((-1, 0, 0), abs=1e-6), False)
+    ] * 4
+    assert [each.place[0] for each in touches] == pytest.approx([3.0 * 16 - 0.5] * 4, abs=0.001)
 
 
 def test_the_ground_has_no_name(physics: Bullet) -> None:
     body = drone(physics, (0, 0, 0.06))
     physics.step()
-    assert body.contacts() == Contacts((0, 0, 0), ())
+    touches = body.contacts()
+    assert touches and {(each.name, each.normal, each.velocity) for each in touches} == {
+        ("", (0, 0, 1), (0, 0, 0))
+    }
     hits = physics.rays([(5, 5, 2), (5, 5, 2)], [(5, 5, -1), (9, 9, 2)])
     assert list(hits.distances) == [pytest.approx(2), inf]
     assert (hits.name(0), hits.name(1)) == ("", None)
@@ -91,8 +97,8 @@ def test_the_ground_has_no_name(physics: Bullet) -> None:
 def test_vehicles_feel_each_other_by_name(physics: Bullet) -> None:
     one, other = drone(physics, (0, 0, 5), "cat"), drone(physics, (0.499, 0, 5), "mouse")
     physics.step()
-    assert set(one.contacts().beside) == {"mouse"}
-    assert set(other.contacts().beside) == {"cat"}
+    assert {(each.name, each.free) for each in one.contacts()} == {("mouse", True)}
+    assert {(each.name, each.free) for each in other.contacts()} == {("cat", True)}
 
 
 SHAPES = (Cuboid(Point(2, 1, 3)), Cylinder(0.6, 3.0), Sphere(1.2))
@@ -176,7 +182,7 @@ def test_hills_are_ground(physics: Bullet) -> None:
     assert {hits.name(ray) for ray in range(len(spots))} == {""}
     body = drone(physics, (5, -5, 3.3))
     run(physics, 0.3)
-    assert body.supported()
+    assert any(each.normal[2] > 0.5 for each in body.contacts())
 
 
 def test_hills_are_as_high_in_physics_pictures_and_for_what_stands_on_them(
@@ -255,7 +261,11 @@ def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:
     # It slides a little before it has the pad's speed.
     assert (x, y, z) == pytest.approx((there.x, 0, 1.26), abs=0.03)
     assert velocity == pytest.approx((0.5, 0, 0), abs=1e-3)
-    assert body.contacts() == Contacts(pytest.approx((0.5, 0, 0), abs=1e-6), ())
+    touches = body.contacts()
+    assert {each.name for each in touches} == {"pad"}
+    for each in touches:
+        assert each.velocity == pytest.approx((0.5, 0, 0), abs=1e-6)
+        assert each.normal == pytest.approx((0, 0, 1), abs=1e-6)
     assert yaw_of(attitude) == pytest.approx(0, abs=0.01)
 
 
@@ -282,7 +292,7 @@ def test_a_mover_is_met_by_rays_and_bodies(physics: Bullet) -> None:
     for _ in range(round(4 / STEP)):
         body.push(0.436 * GRAVITY, 0, 0, 0)
         physics.step()
-        felt |= set(body.contacts().beside)
+        felt |= {each.name for each in body.contacts()}
     assert felt == {"pad"}
     assert body.state()[0][0] > 5.0, "it was pushed"
     hits = physics.rays([(4, 0, 5)], [(4, 0, 0)])
@@ -339,11 +349,24 @@ def test_a_touch_is_new_once_until_it_is_over() -> None:
     seen = []
     for period in range(100):
         if period in (3, 4, 10, 60) or 20 < period < 30:
-            debouncer.add(("wall",))
-            debouncer.add(("wall", "tree") if period == 60 else ())
+            debouncer.add("wall", True)
+            debouncer.add("wall", False)
+        if period == 60:
+            debouncer.add("tree", True)
         debouncer.end_period()
         seen += [(period, name) for name in debouncer.new]
     assert seen == [(3, "wall"), (60, "wall"), (60, "tree")]
+
+
+def test_what_a_vehicle_stands_on_is_hit_only_after_it_has_left() -> None:
+    debouncer = ContactDebouncer()
+    seen = []
+    for period in range(100):
+        if period < 10 or period in (20, 50):
+            debouncer.add("table", hit=period >= 20)
+        debouncer.end_period()
+        seen += [(period, name) for name in debouncer.new]
+    assert seen == [(50, "table")]
 
 
 # A flight.

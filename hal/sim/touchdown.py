@@ -1,0 +1,86 @@
+"""The end of a landing: from the first touch until the vehicle stands, or has to leave again."""
+
+from __future__ import annotations
+
+from math import cos, hypot, pi, tan
+from typing import Literal
+
+from hal.sim.airframe import Airframe
+from hal.sim.contact_tracker import ContactTracker
+from hal.sim.physics import BodyState
+
+_ON_EDGE = 2
+"""Mission periods on one edge after which the thrust is cut."""
+_SWAYS = 0.05
+"""Height by which the centre of a vehicle on one edge may rise when it sways, metres."""
+_LYING = 5
+"""Least mission periods without thrust before it is known that it stands."""
+_OVER_EDGE = 4
+"""Mission periods of touching beside the centre of mass, with nothing below that, before it leaves.
+"""
+_SLIPPED = 4
+"""Mission periods without contact after which a vehicle without thrust falls."""
+_PATIENCE = 60
+"""Mission periods, 1.5 s, in which it gets on or stands."""
+_SINKING = 0.1
+"""Least descent of a vehicle that comes down, m/s."""
+_TIPPED = 10 * pi / 180
+"""Tilt beyond that of the steepest ground at which it falls over, radians."""
+
+Verdict = Literal["", "stands", "unstable"]
+"""Empty while that is not known."""
+
+
+class Touchdown:
+    """Tells in each mission period of a landing whether the vehicle stands."""
+
+    def __init__(self, contacts: ContactTracker, airframe: Airframe) -> None:
+        self._contacts = contacts
+        self._least_cosine = cos(airframe.steepest_ground + _TIPPED)
+        length, width, _ = airframe.size
+        self._gap = hypot(length, width) / 2 * tan(airframe.steepest_ground) + _SWAYS
+        """Most height above the ground of a vehicle that touches a slope, metres."""
+        self.idle = False
+        """True when the thrust is cut: the vehicle lies down on what it touches, and comes to rest
+        on what moves."""
+        self._periods = 0
+        """Mission periods without thrust; before, of touching without coming down."""
+        self._on_edge = self._over_edge = 0
+        """Mission periods of touching with an edge: above ground, and above nothing near."""
+
+    def restart(self) -> None:
+        """Begin another landing, or none."""
+        self.idle = False
+        self._periods = self._on_edge = self._over_edge = 0
+
+    def update(self, state: BodyState, height: float) -> Verdict:
+        """Go on by a mission period; ``height`` (m) is that above what is straight below."""
+        return self._lie_down(state) if self.idle else self._touch(state, height)
+
+    def _touch(self, state: BodyState, height: float) -> Verdict:
+        contacts = self._contacts
+        if contacts.supported:
+            # On a slope the level vehicle touches with one edge.
+            self._on_edge += height < self._gap
+            if self._on_edge >= _ON_EDGE or contacts.has_footing():
+                self.idle, self._periods = True, 0
+                return ""
+            self._over_edge += height >= self._gap
+        blocked = contacts.untouched < _PATIENCE and state[2][2] > -_SINKING
+        self._periods = self._periods + 1 if blocked else 0
+        stuck = self._periods >= _PATIENCE or self._over_edge >= _OVER_EDGE
+        return "unstable" if stuck or self._tips(state) else ""
+
+    def _lie_down(self, state: BodyState) -> Verdict:
+        contacts = self._contacts
+        self._periods += 1
+        falls = contacts.untouched >= _SLIPPED or self._tips(state)
+        if falls or self._periods >= _PATIENCE:
+            return "unstable"
+        settled = contacts.settled and self._periods >= _LYING
+        return "stands" if settled and contacts.has_footing() else ""
+
+    def _tips(self, state: BodyState) -> bool:
+        x, y, _, _ = state[1]
+        leans = 1 - 2 * (x * x + y * y) < self._least_cosine
+        return leans and self._contacts.untouched < _PATIENCE
