@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from behaviors import Calls
-from cli.options import MissionName, call_limit_option
+from cli.options import MissionName, WorldName, call_limit_option
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
@@ -49,7 +49,7 @@ class Report:
 
 @click.command()
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
-@click.option("--world", metavar="NAME|FILE", help="Check against another world.")
+@click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
