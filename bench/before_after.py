@@ -1,6 +1,6 @@
 """This checkout beside an earlier commit: the same jobs, in turns, in one run.
 
-    python -m bench.before_after COMMIT [--rounds 9] [--json]
+    python -m bench.before_after COMMIT [--rounds 9] [--only JOB] [--json]
 
 The commit is laid out in a temporary folder and run by this interpreter. All figures are CPU time,
 children included; each round runs every job once on either side, in changing order. A ratio is the
@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tarfile
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -45,12 +46,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench.before_after")
     parser.add_argument("commit")
     parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--only", choices=PROCESSES, help="time this whole process alone")
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args()
     with TemporaryDirectory() as folder:
         before = Path(folder) / "before"
         _lay_out(given.commit, before)
-        ratios = _ratios(before, Path(folder) / "runs", given.rounds)
+        ratios = _ratios(before, Path(folder) / "runs", given.rounds, given.only)
     if given.json:
         print(json.dumps({"machine": machine(), "goal": GOAL, "ratios": ratios}, indent=2))
         return
@@ -72,10 +74,11 @@ def _lay_out(commit: str, folder: Path) -> None:
             compileall.compile_dir(package, quiet=2)
 
 
-def _ratios(before: Path, runs: Path, rounds: int) -> dict[str, list[float]]:
+def _ratios(before: Path, runs: Path, rounds: int, only: str | None) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for number in range(rounds):
-        for sides in (_processes, _latency, *((_cameras,) if number < CAMERAS_ROUNDS else ())):
+        all_jobs = (_processes, _latency, *((_cameras,) if number < CAMERAS_ROUNDS else ()))
+        for sides in (partial(_processes, only=only),) if only else all_jobs:
             places = (before, ROOT) if number % 2 else (ROOT, before)
             figures = {place: sides(place, runs) for place in places}
             for job, seconds in figures[ROOT].items():
@@ -83,10 +86,11 @@ def _ratios(before: Path, runs: Path, rounds: int) -> dict[str, list[float]]:
     return found
 
 
-def _processes(place: Path, runs: Path) -> dict[str, float]:
+def _processes(place: Path, runs: Path, only: str | None = None) -> dict[str, float]:
     """CPU seconds of each command."""
     found = {}
-    for job, arguments in PROCESSES.items():
+    for job in (only,) if only else PROCESSES:
+        arguments = PROCESSES[job]
         spent = _children()
         _run(place, tuple(str(runs) if word == "RUNS" else word for word in arguments))
         found[job] = _children() - spent

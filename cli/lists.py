@@ -356,6 +356,6 @@ def _some(names: list[str]) -> str:
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 def picture(folder: Path) -> None:
     """Draw the picture of the run in FOLDER, also of one that was killed."""
-    from cli.flight_plot import draw
+    from cli.plot import draw
 
     click.echo(draw(folder))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -21,11 +22,12 @@ from fsm.values.functions import EvaluationError
 from hal import Limits, Options, Session, open_backend
 from hal.vehicle import PERIODS_PER_SECOND
 from runner.call_limit import CallLimit
+from runner.course import Entered, collisions, entered
 from runner.pace import Pace
 from runner.preparation import Prepared
 from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
-from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
+from runner.run_folder import ALONE, LAST_ENTERED, Flown, Header, MissionFacts, Summary
 from vencejo.errors import UserError, VehicleError, Where
 from vencejo.geometry import Point, distance
 from vencejo.version import __version__
@@ -120,6 +122,8 @@ class _Craft:
     distance: float = 0.0
     max_altitude: float = 0.0
     left_ground: bool = False
+    entered: deque[Entered] = field(default_factory=lambda: deque(maxlen=LAST_ENTERED))
+    collisions: Counter[str] = field(default_factory=Counter)
     failure: VehicleError | None = None
     """The error because of which it could not be landed; None for none."""
     has_defect: bool = False
@@ -153,6 +157,8 @@ class _Craft:
         self.max_altitude = max(self.max_altitude, position.z - channel.frame.origin.z)
         self.left_ground = self.left_ground or channel.world.flying
         self._last = position
+        if channel.world.events:
+            self.collisions.update(collisions(channel.world))
 
     def lose(self, error: VehicleError) -> None:
         """It or its backend has failed: order the landing all the same."""
@@ -169,6 +175,8 @@ class _Craft:
             distance=self.distance,
             max_altitude=self.max_altitude,
             battery=pilot.channel.observation.battery,
+            entered=tuple(self.entered),
+            collisions=dict(self.collisions),
             failure=self.failure.faults[0].message if self.failure else "",
             left_ground=self.left_ground,
         )
@@ -286,6 +294,8 @@ class _Flying:
         """Write down and show what the vehicles have just done, in a new ``period`` or not."""
         for craft in self.aloft:
             records = self.log.take(craft.pilot, period=period)
+            if records:
+                craft.entered.extend(entered(craft.pilot.instance, records))
             for watcher in self.watchers:
                 watcher.show(craft.pilot, records)
 

@@ -118,7 +118,7 @@ def test_an_encoding_without_arrows(command: str, encoding: str, folder: Path) -
     text = (done.stdout + done.stderr).decode(encoding)
     assert "Traceback" not in text
     if command == "run hop.yaml":
-        assert "-> takeoff  (takeoff)" in text
+        assert "-> land (done)  altitude 1.0 m" in text
         assert "ok hop ended in 'done'" in text
 
 
@@ -129,7 +129,7 @@ def test_a_dumb_terminal(command: str, folder: Path) -> None:
     assert code == EVERY_COMMAND[command]
     assert "\x1b" not in text and "Traceback" not in text
     if command == "run hop.yaml":
-        assert "→ takeoff  (takeoff)" in text
+        assert "→ land (done)  altitude 1.0 m" in text
         assert "✔ hop ended in 'done'" in text
 
 
@@ -140,7 +140,7 @@ def test_other_terminals_are_drawn_on(folder: Path) -> None:
     assert "\x1b" in text and "from above, north up" in text
     code, text = on_a_terminal("run hop.yaml", folder, TERM="xterm", PYTHONIOENCODING="ascii")
     assert code == 0
-    assert "\x1b" not in text and "-> takeoff  (takeoff)" in text
+    assert "\x1b" not in text and "-> land (done)  altitude 1.0 m" in text
 
 
 @pytest.mark.slow
@@ -314,7 +314,7 @@ def test_a_drawing_is_interrupted_without_losing_the_rest(
         os.kill(os.getpid(), signal.SIGINT)
         raise AssertionError("it goes on")
 
-    monkeypatch.setattr("cli.flight_plot.draw", interrupted)
+    monkeypatch.setattr("cli.plot.draw", interrupted)
     done = run_cli("run", hop)
     assert done.code == 0
     assert done.err.startswith("no picture: interrupted; drawn by `drone-cli picture runs/")
