@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from behaviors import Calls
+from cli.fixes import fix_of
 from cli.options import MissionName, WorldName, call_limit_option
 from cli.output import echo_json
 from cli.user_code import user_code
@@ -125,12 +126,15 @@ def _shown(report: Report) -> dict[str, Any]:
         found["states"] = report.states
     if report.fleet:
         found["fleet"] = True
-    faults = [
-        {**asdict(fault), "where": str(fault.where) if fault.where else None}
-        for fault in report.faults
-    ]
+    faults = [_told(fault) for fault in report.faults]
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
+
+
+def _told(fault: Fault) -> dict[str, Any]:
+    fix = fix_of(fault)
+    where = str(fault.where) if fault.where else None
+    return {**asdict(fault), "where": where, "fix": asdict(fix) if fix else None}
 
 
 def _print(report: Report, strict: bool) -> None:

@@ -33,7 +33,7 @@ from vencejo.units import UNITS, format_quantity
 from worlds import World, find_world, world_families, world_names
 
 
-def _plain(docstring: str) -> str:
+def plain(docstring: str) -> str:
     """A docstring as a terminal shows it."""
     return docstring.replace("``", "`")
 
@@ -71,7 +71,7 @@ def missions(name: str | None, copy: bool, call_limit: float | None, as_json: bo
     click.echo(f"  world  {graph.world or 'empty'}")
     if graph.parameters:
         click.echo("\nparameters (set with -p NAME=VALUE):")
-        _table([(f"  {p.name}", _described(p)) for p in graph.parameters.values()])
+        _table([(f"  {p.name}", described(p)) for p in graph.parameters.values()])
 
 
 def _list_missions(as_json: bool) -> None:
@@ -126,20 +126,25 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
     }
 
 
-def _described(parameter: Parameter) -> str:
+def described(parameter: Parameter) -> str:
+    """Type, default and help of a parameter, as people read them."""
     if parameter.required:
         default = "required"
     elif parameter.default is None:
         default = "default: none"
+    elif isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool):
+        default = f"default: {_in_its_unit(parameter, parameter.default)}"
     else:
-        dimension = getattr(parameter.type, "dimension", None)
-        if isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool):
-            unit = UNITS[parameter.unit][1] if parameter.unit else dimension
-            default = f"default: {format_quantity(parameter.default, unit)}"
-        else:
-            default = f"default: {json.dumps(parameter.default)}"
+        default = f"default: {json.dumps(parameter.default)}"
     live = ", live" if parameter.live else ""
     return f"{parameter.type} ({default}{live})  {parameter.help}".rstrip()
+
+
+def _in_its_unit(parameter: Parameter, number: float) -> str:
+    """A number in the unit that the parameter is declared in, if it is."""
+    if parameter.unit:
+        return f"{number / UNITS[parameter.unit][0]:g} {parameter.unit}"
+    return format_quantity(number, getattr(parameter.type, "dimension", None))
 
 
 @click.command()
@@ -169,7 +174,7 @@ def behaviors(name: str | None, uses: Path | None, call_limit: float | None, as_
             if each in own or each in installed
         }
     if name is None:
-        rows = [(key, _plain(info.help).partition("\n")[0]) for key, info in found.items()]
+        rows = [(key, plain(info.help).partition("\n")[0]) for key, info in found.items()]
         if as_json:
             echo_json([{_kind(found[key]): key, "help": text} for key, text in rows])
         else:
@@ -198,7 +203,7 @@ def _behavior_facts(behavior: BehaviorInfo | Function) -> dict[str, Any]:
 
     facts = {
         _kind(behavior): behavior.name,
-        "help": _plain(behavior.help),
+        "help": plain(behavior.help),
         "parameters": {p.name: _parameter(p) for p in behavior.parameters.values()},
     }
     if isinstance(behavior, Function):
@@ -215,12 +220,12 @@ def _behavior_facts(behavior: BehaviorInfo | Function) -> dict[str, Any]:
 
 
 def _explain(behavior: BehaviorInfo | Function) -> None:
-    click.echo(f"{behavior.name}\n\n{_plain(behavior.help)}\n")
+    click.echo(f"{behavior.name}\n\n{plain(behavior.help)}\n")
     if isinstance(behavior, Function):
         click.echo("a function: `call` it in actions; its arguments:")
     elif behavior.parameters:
         click.echo("parameters (`live` ones may also stand under `live:`):")
-    _table([(f"  {p.name}", _described(p)) for p in behavior.parameters.values()])
+    _table([(f"  {p.name}", described(p)) for p in behavior.parameters.values()])
     if isinstance(behavior, BehaviorInfo):
         _explain_ends(behavior)
 
@@ -304,7 +309,7 @@ def _list_worlds(as_json: bool) -> None:
         return
     _table(rows)
     click.echo("\ngenerated, by number (roads:17):")
-    _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
+    _table([(f"  {family}", plain(text)) for family, text in world_families().items()])
 
 
 def _world_facts(world: World) -> dict[str, Any]:

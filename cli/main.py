@@ -24,6 +24,7 @@ COMMANDS = {
     "missions": ("cli.lists:missions", "List missions, show one, or copy one to change it."),
     "behaviors": ("cli.lists:behaviors", "List behaviours, or explain one."),
     "worlds": ("cli.lists:worlds", "List worlds, or show one."),
+    "guide": ("cli.guide:guide", "Print language, behaviours and examples on one page."),
     "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),

@@ -10,7 +10,7 @@ from __future__ import annotations
 import errno
 from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 from typing import Literal, Self
 
 Severity = Literal["error", "warning"]
@@ -111,12 +111,48 @@ class Stopped(BaseException):
     exit_code = 130
 
 
+class Correction(str):
+    """A hint that names the text to write, ``right``, in place of another one, ``wrong``.
+
+    It is given only where that is certain; ``wrong`` stands in the line of the fault.
+    """
+
+    wrong: str
+    right: str
+
+    def __new__(cls, wrong: str, right: str, hint: str | None = None) -> Self:
+        made = super().__new__(cls, hint or f"did you mean '{right}'?")
+        made.wrong, made.right = wrong, right
+        return made
+
+    def __reduce__(self) -> tuple[type[Correction], tuple[str, str, str]]:
+        return Correction, (self.wrong, self.right, str(self))
+
+
+_CERTAIN, _APART = 0.75, 0.05
+"""Least similarity of a word to the one that was certainly meant, and what others have less."""
+
+
+def certain(word: str, known: Iterable[str]) -> str | None:
+    """The known word that was certainly meant: similar, and more so than every other one."""
+    alike = SequenceMatcher(b=word)
+    ratios = []
+    for other in {*known}:
+        alike.set_seq1(other)
+        ratios.append((alike.ratio(), other))
+    (best, found), (second, _) = sorted([*ratios, (0.0, ""), (0.0, "")], reverse=True)[:2]
+    return found if best >= max(_CERTAIN, second + _APART) else None
+
+
 def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> str | None:
     """A hint: the known word most similar to ``word``, or else ``otherwise``, or else a list.
 
-    None when no word is known and there is no ``otherwise``.
+    None when no word is known and there is no ``otherwise``; a Correction where it is certain.
     """
     options = sorted(set(known))
+    meant = certain(word, options)
+    if meant is not None:
+        return Correction(word, meant)
     close = get_close_matches(word, options, n=1, cutoff=0.6)
     if close:
         return f"did you mean '{close[0]}'?"
