@@ -141,7 +141,7 @@ def _page(vocabulary: Vocabulary) -> Iterator[str]:
     yield "\n## Functions to `call`\n"
     yield from map(_function, vocabulary.functions.values())
     yield "\n## Behaviours\n"
-    yield "`failed` (`event.reason`) is an outcome of each. What is `live` may stand under `live`.\n"
+    yield "`failed` (`event.reason`) is an outcome of each. `live` ones may stand under `live`.\n"
     for behavior in vocabulary.behaviors.values():
         yield from _behavior(behavior)
     yield "## Examples\n"
