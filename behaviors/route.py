@@ -38,8 +38,8 @@ class Reached:
 class FlyRoute(Behavior):
     """Fly points in order; each may have its own ``{at, heading, speed, dwell}``.
 
-    A point is reached inside ``tolerance`` (the straight-line threshold of the beacon application
-    of Yagüe, 2015); without a dwell the vehicle goes on at once. The last one is held afterwards.
+    A point is reached inside ``tolerance``; without a dwell the vehicle goes on at once. The last
+    one is held afterwards.
     Raises ``route.reached`` at each point. Ends in ``blocked`` like a goto. Entered again by way
     of a history state, it goes on with the point it was heading for.
     """
@@ -51,6 +51,7 @@ class FlyRoute(Behavior):
         speed: float = param(2.0, unit="m/s", min=0.05, max=20.0, help="where a point names none")
         heading: Heading = param("travel", help="where a point names none")
         dwell: float = param(0.0, unit="s", min=0.0, help="stay at each point")
+        # The threshold for straight lines of the beacon application of Yagüe, 2015.
         tolerance: float = param(0.5, unit="m", min=0.02, help="distance that counts as reached")
         yaw_tolerance: float = param(
             0.15, unit="rad", min=0.01, help="where a heading is asked for"

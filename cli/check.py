@@ -13,7 +13,8 @@ from typing import Any
 import click
 
 from behaviors import Calls
-from cli.options import MissionName, call_limit_option
+from cli.fixes import fix_of
+from cli.options import MissionName, WorldName, call_limit_option
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
@@ -52,7 +53,7 @@ class Report:
 
 @click.command()
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
-@click.option("--world", metavar="NAME|FILE", help="Check against another world.")
+@click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
@@ -140,12 +141,15 @@ def _shown(report: Report) -> dict[str, Any]:
         found["states"] = report.states
     if report.fleet:
         found["fleet"] = True
-    faults = [
-        {**asdict(fault), "where": str(fault.where) if fault.where else None}
-        for fault in report.faults
-    ]
+    faults = [_told(fault) for fault in report.faults]
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
+
+
+def _told(fault: Fault) -> dict[str, Any]:
+    fix = fix_of(fault)
+    where = str(fault.where) if fault.where else None
+    return {**asdict(fault), "where": where, "fix": asdict(fix) if fix else None}
 
 
 def _print(report: Report, strict: bool) -> None:

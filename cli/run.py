@@ -18,9 +18,11 @@ from cli.options import (
     MissionName,
     Speed,
     Word,
+    WorldName,
     assignments,
     call_limit_option,
     cameras,
+    complete_parameter,
     limits,
     renderer_option,
     shadows_option,
@@ -51,13 +53,19 @@ if TYPE_CHECKING:
     "--backend", type=Word(backend_names()), default="sim", show_default=True, help="What flies it."
 )
 @click.option("--connect", metavar="ADDRESS", help="Where a real vehicle is reached.")
-@click.option("--world", metavar="NAME|FILE", help="Fly in another world than the mission names.")
+@click.option(
+    "--world",
+    type=WorldName(),
+    metavar="NAME|FILE",
+    help="Fly in another world than the mission names.",
+)
 @click.option(
     "-p",
     "--parameter",
     "parameters",
     multiple=True,
     callback=assignments,
+    shell_complete=complete_parameter,
     metavar="NAME=VALUE",
     help="Set a parameter of the mission, for instance -p altitude=3m. Repeatable.",
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from cli.options import MissionName, Word, call_limit_option
+from cli.options import MissionName, Word, WorldName, call_limit_option
 from cli.user_code import user_code
 from fsm import Graph
 from runner import missions
@@ -33,7 +33,9 @@ WRITERS = {
     show_default=True,
     help="How to show it.",
 )
-@click.option("--world", metavar="NAME|FILE", help="Check it against another world.")
+@click.option(
+    "--world", type=WorldName(), metavar="NAME|FILE", help="Check it against another world."
+)
 @call_limit_option
 @click.option("-o", "--output", metavar="FILE", help="Write to a file instead of the terminal.")
 def show(

@@ -39,7 +39,7 @@ from fsm.language.spec import (
     TriggerSpec,
 )
 from fsm.values.types import ANY, BOOL, MapOf, Number, Type
-from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.errors import Correction, Fault, UserError, Where, certain, nearest
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
@@ -235,7 +235,9 @@ class _Compiler:
                 "unknown-outcome",
                 f"nothing in this state ends with the outcome '{name}'",
                 key.where,
-                f"did you mean the event '{event}'?" if event else _outcome_hint(name, outcomes),
+                Correction(name, event, f"did you mean the event '{event}'?")
+                if event
+                else _outcome_hint(name, outcomes),
             )
         return outcomes[name]
 
@@ -446,10 +448,14 @@ def expression(scalar: Scalar, scope: Scope, wanted: Type) -> Compiled:
 
 def _outcome_hint(name: str, outcomes: Iterable[str]) -> str:
     """All outcomes that there are, and the one that was meant where that is sure."""
-    close = get_close_matches(name, outcomes, n=1, cutoff=0.75)
-    meant = f"did you mean '{close[0]}'? " if close else ""
-    words = ", ".join(sorted(outcomes))
-    return f"{meant}the outcomes here are: {words}" if words else "there are no outcomes here"
+    words = sorted(outcomes)
+    if not words:
+        return "there are no outcomes here"
+    listed = f"the outcomes here are: {', '.join(words)}"
+    meant = certain(name, words)
+    if meant is None:
+        return listed
+    return Correction(name, meant, f"did you mean '{meant}'? {listed}")
 
 
 def _common(known: list[Fields | None]) -> Fields | None:

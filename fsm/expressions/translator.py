@@ -33,7 +33,7 @@ from fsm.values.types import (
     product,
     raised,
 )
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Correction, UserError, Where, nearest
 from vencejo.units import ANGLE, LENGTH, RATIO
 
 MAX_COST = 10_000
@@ -250,7 +250,7 @@ class Translator:
         hint = nearest(name, known)
         host = next(self.scope.with_field(name), None)
         if host:
-            hint = f"did you mean '{host}.{name}'?"
+            hint = Correction(name, f"{host}.{name}")
         elif name in fn.FUNCTIONS or name == "active":
             hint = f"'{name}' is a function: write {name}(…)"
         elif not known:

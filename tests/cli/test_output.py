@@ -39,6 +39,7 @@ EVERY_COMMAND = {
     "worlds": 0,
     "worlds yard": 0,
     "schema": 0,
+    "guide": 0,
     "new mine": 0,
     "picture flown": 0,
     "completion bash": 0,

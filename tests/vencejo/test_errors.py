@@ -58,3 +58,8 @@ def test_generators_depend_on_seed_and_names_alone() -> None:
     different = [draws(0, "a"), draws(1, "a"), draws(0, "b"), draws(0, "a", "b"), draws(0, "ab")]
     assert len({tuple(found) for found in different}) == 5
     assert draws(7, "wind")[0] == generator(7, "wind").random()
+
+
+def test_a_wrong_first_letter_is_found_among_many_words() -> None:
+    words = [f"{letter}{number}_word" for letter in "abcdefgh" for number in range(12)]
+    assert nearest("xake_off", [*words, "take_off"]) == "did you mean 'take_off'?"
