@@ -5,7 +5,7 @@ behaviours control the same thing.
 from __future__ import annotations
 
 from bisect import bisect
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 
 from fsm.chart.entry_sets import default_entry
@@ -41,11 +41,12 @@ def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
         *_companions(graph),
         *_two_owners(graph),
         *_region_restarts(graph),
-        *dead_alternatives(graph, partial(_covers, graph.vocabulary)),
-        *endless_always(graph),
+        *dead_alternatives(
+            [node for node in graph.nodes if node not in flawed],
+            partial(_covers, graph.vocabulary),
+        ),
         *_durations(graph),
         *_holds(graph),
-        *dead_timers(late),
         *repeated_conditions(graph),
         *_final_regions(graph),
         *_restarting_histories(graph),
@@ -55,11 +56,13 @@ def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
     ]
 
 
-def _whole(graph: Graph, late: Collection[After]) -> Iterator[Fault]:
+def _whole(graph: Graph, late: Mapping[After, After]) -> Iterator[Fault]:
     """Faults that only a graph shows all of whose transitions are known."""
     yield from unreachable(graph, reachable(graph, never_taken(graph, late)))
     yield from _never_done(graph)
     yield from unheard(graph)
+    yield from endless_always(graph)
+    yield from dead_timers(late)
 
 
 def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:

@@ -70,13 +70,13 @@ def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
     yield node.always
 
 
-def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Iterator[Fault]:
-    """Transitions that are never taken because one before them takes all their events, or has the
-    same guard.
+def dead_alternatives(nodes: Iterable[Node], covers: Callable[[str, str], bool]) -> Iterator[Fault]:
+    """Transitions of states that are never taken because one before them takes all their events,
+    or has the same guard.
 
     ``covers`` says whether its first pattern takes all events of its second.
     """
-    for node in graph.nodes:
+    for node in nodes:
         for edges in _groups(node):
             if len(edges) < 2:
                 continue
