@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import click
 
 from behaviors import Calls
-from cli.options import MissionName, call_limit_option
+from cli.options import Length, LimitSettings, MissionName, call_limit_option, limits
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
 from fsm.language.reader import FLEET
-from hal import backend_capabilities
+from hal import backend_capabilities, flight_model
 from runner import missions
+from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
 from runner.preparation import check_fleet_file, prepare
 from vencejo.errors import Fault, UserError
 
@@ -30,6 +32,8 @@ class Report:
     graphs: tuple[Graph, ...] = ()
     """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
+    findings: Findings | None = None
+    """What was found of where a mission without errors flies."""
 
     @property
     def states(self) -> int:
@@ -51,6 +55,21 @@ class Report:
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
 @click.option("--world", metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
+@click.option(
+    "--limit",
+    "limit_settings",
+    multiple=True,
+    callback=limits,
+    metavar="NAME=VALUE|PROFILE",
+    help="Check against limits of flight, as for `run`. Repeatable.",
+)
+@click.option(
+    "--clearance",
+    type=Length(),
+    default=f"{CLEARANCE:g}m",
+    show_default=True,
+    help="Warn of legs that pass nearer than this to a thing.",
+)
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -59,6 +78,8 @@ def check(
     missions_: tuple[str, ...],
     world: str | None,
     backend: str | None,
+    limit_settings: LimitSettings,
+    clearance: float,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -70,9 +91,11 @@ def check(
     before the warnings; under GitHub Actions as annotations too. With --no-code a mission's own
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
     """
+    model = flight_model(backend or "sim")
+    terms = Terms(model, limit_settings.on(model), clearance)
     with user_code(call_limit) as limit:
         calls = None if no_code else limit.calls
-        reports = [_report(mission, world, calls) for mission in missions_]
+        reports = [_report(mission, world, terms, calls) for mission in missions_]
     if backend is not None:
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
@@ -84,16 +107,19 @@ def check(
     sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
 
 
-def _report(mission: str, world: str | None, calls: Calls | None) -> Report:
+def _report(mission: str, world: str | None, terms: Terms, calls: Calls | None) -> Report:
     """The report on one file; without ``calls`` no Python is run."""
     code = calls is not None
     try:
-        graph = prepare(missions.find(mission), world, code=code, calls=calls).graph
+        prepared = prepare(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
         if error.code != FLEET:
             return Report(mission, error.faults)
     else:
-        return Report(mission, graph.warnings, (graph,))
+        graph = prepared.graph
+        findings = check_geometry(graph, prepared.world, terms, calls=calls)
+        told = (*graph.warnings, *findings.faults)
+        return Report(mission, told, (graph,), findings=findings)
     try:
         faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
@@ -132,6 +158,8 @@ def _shown(report: Report) -> dict[str, Any]:
         {**asdict(fault), "where": str(fault.where) if fault.where else None}
         for fault in report.faults
     ]
+    if report.findings is not None:
+        found["unknown"] = list(report.findings.unknown)
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
 
@@ -149,6 +177,29 @@ def _print(report: Report, strict: bool) -> None:
         what = "a fleet without mistakes" if report.fleet else "may fly"
         states = f"{report.states} state{'s'[: report.states != 1]}"
         click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
+    if report.findings is not None:
+        for note in _notes(report.findings):
+            click.echo(f"  {note}")
+
+
+def _notes(findings: Findings) -> Iterator[str]:
+    """What the check could not look at, for people."""
+    if findings.unknown:
+        fly = "flies" if len(findings.unknown) == 1 else "fly"
+        yield f"known in flight only: where, or from where, {_joined(findings.unknown)} {fly}"
+    if findings.moving:
+        come = "comes" if len(findings.moving) == 1 else "come"
+        yield f"known in flight only: how near {_joined(findings.moving)} {come}, moving"
+    if not findings.complete:
+        yield "not looked at: some ways through this mission, which has more than are followed"
+
+
+def _joined(names: Sequence[str], most: int = 8) -> str:
+    """``'a', 'b' and 'c'``; of many the first."""
+    shown = [f"'{name}'" for name in names[:most]]
+    if len(names) > most:
+        shown.append(f"{len(names) - most} more")
+    return " and ".join([", ".join(shown[:-1]), shown[-1]]) if len(shown) > 1 else shown[0]
 
 
 def annotation(fault: Fault, severity: str) -> str:
