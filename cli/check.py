@@ -18,8 +18,11 @@ from fsm import Graph
 from fsm.language.reader import FLEET
 from hal import backend_capabilities, flight_model
 from runner import missions
+from runner.call_limit import CallLimit
 from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.preparation import check_fleet_file, prepare
+from runner.loop import Plan
+from runner.preparation import Prepared, check_fleet_file, prepare
+from runner.trial_flights import TrialFlight, fly_trials
 from vencejo.errors import Fault, UserError
 
 
@@ -32,8 +35,12 @@ class Report:
     graphs: tuple[Graph, ...] = ()
     """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
+    prepared: Prepared | None = None
+    """A mission without errors."""
     findings: Findings | None = None
-    """What was found of where a mission without errors flies."""
+    """What was found of where it flies."""
+    flights: tuple[TrialFlight, ...] = ()
+    """Its trial flights."""
 
     @property
     def states(self) -> int:
@@ -70,6 +77,20 @@ class Report:
     show_default=True,
     help="Warn of legs that pass nearer than this to a thing.",
 )
+@click.option(
+    "--fly",
+    "count",
+    type=click.IntRange(1, 10_000),
+    metavar="N",
+    help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
+)
+@click.option(
+    "--noise",
+    type=click.FloatRange(0, 10),
+    default=0.0,
+    show_default=True,
+    help="Disturb the commands of these flights, as for `run`.",
+)
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -80,6 +101,8 @@ def check(
     backend: str | None,
     limit_settings: LimitSettings,
     clearance: float,
+    count: int | None,
+    noise: float,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -89,7 +112,8 @@ def check(
 
     All mistakes of a file are reported at once, with file:line:column and a hint, the errors
     before the warnings; under GitHub Actions as annotations too. With --no-code a mission's own
-    behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
+    behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not; with --fly 1
+    when all may but a flight did not end in `done`.
     """
     model = flight_model(backend or "sim")
     terms = Terms(model, limit_settings.on(model), clearance)
@@ -99,12 +123,33 @@ def check(
     if backend is not None:
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
+    if count is not None:
+        if no_code:
+            raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
+        with user_code(call_limit) as limit:
+            reports = [_flown(r, count, noise, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
     else:
         for report in reports:
             _print(report, strict)
-    sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
+    if any(report.wrong(strict) for report in reports):
+        sys.exit(2)
+    sys.exit(int(any(flight.outcome != "done" for r in reports for flight in r.flights)))
+
+
+def _flown(
+    report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
+) -> Report:
+    """The report with trial flights of a mission without errors."""
+    if report.prepared is None or report.of("error"):
+        return report
+    plan = replace(
+        Plan.alone(report.prepared, settings={"noise": noise}),
+        profile=limit_settings.profile,
+        limits=limit_settings.limits,
+    )
+    return replace(report, flights=tuple(fly_trials(plan, range(count), limit)))
 
 
 def _report(mission: str, world: str | None, terms: Terms, calls: Calls | None) -> Report:
@@ -119,7 +164,7 @@ def _report(mission: str, world: str | None, terms: Terms, calls: Calls | None) 
         graph = prepared.graph
         findings = check_geometry(graph, prepared.world, terms, calls=calls)
         told = (*graph.warnings, *findings.faults)
-        return Report(mission, told, (graph,), findings=findings)
+        return Report(mission, told, (graph,), prepared=prepared, findings=findings)
     try:
         faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
@@ -160,6 +205,10 @@ def _shown(report: Report) -> dict[str, Any]:
     ]
     if report.findings is not None:
         found["unknown"] = list(report.findings.unknown)
+    if report.flights:
+        from cli.trials import trial_fields
+
+        found |= trial_fields(report.graphs[0], report.flights)
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
 
@@ -180,6 +229,11 @@ def _print(report: Report, strict: bool) -> None:
     if report.findings is not None:
         for note in _notes(report.findings):
             click.echo(f"  {note}")
+    if report.flights:
+        from cli.trials import trial_lines
+
+        for line in trial_lines(report.graphs[0], report.flights):
+            click.echo(f"  {line}")
 
 
 def _notes(findings: Findings) -> Iterator[str]:

@@ -12,6 +12,7 @@ from math import dist, hypot, inf
 from typing import TYPE_CHECKING, NamedTuple
 
 from vencejo.geometry import Point, Pose, turned
+from worlds.motion import pose_at
 from worlds.solids import Bounds, apart, bounds_of, part_pose, solid_parts
 from worlds.terrain import height_at, on_ground
 from worlds.things import Mesh, Motion, Shape, Thing
@@ -95,6 +96,24 @@ class Obstacles:
         """The solid things that move and may come near a way: it depends on the time."""
         return [thing for thing, box in self._moving if _stretch_in(box, a, b, within)]
 
+    def moving_at(self, place: Point, time: float, within: float) -> list[Near]:
+        """The things that move and are nearer than ``within`` to a place at a time, seconds.
+
+        A mesh counts as the box about it.
+        """
+        found = []
+        for thing, box in self._moving:
+            if _stretch_in(box, place, place, within) is None:
+                continue
+            pose = pose_at(thing, time)
+            distance = min(
+                apart(part.shape, _in_frame(place, part_pose(part, *pose)))
+                for part in solid_parts(thing)
+            )
+            if distance < within:
+                found.append(Near(thing, distance, place))
+        return found
+
     def height_above_ground(self, a: Point, b: Point) -> tuple[float, Point]:
         """The least height of a straight way above the ground, and the place that has it."""
         if self.terrain is None:
@@ -145,6 +164,12 @@ def _top_below(solid: _Solid, place: Point, ground: float) -> float:
     return low
 
 
+def _in_frame(place: Point, pose: Pose) -> Point:
+    """A place in the frame of a pose."""
+    at, (x, y, z, w) = pose
+    return turned(place.minus(at), (-x, -y, -z, w))
+
+
 def _between(a: Point, b: Point, share: float) -> Point:
     way = b.minus(a)
     return a.plus((way.x * share, way.y * share, way.z * share))
@@ -175,8 +200,7 @@ def _least(
 
     Where it is not below ``within`` it may be any that is not.
     """
-    at, (x, y, z, w) = solid.pose
-    a, b = (turned(end.minus(at), (-x, -y, -z, w)) for end in (a, b))
+    a, b = _in_frame(a, solid.pose), _in_frame(b, solid.pose)
     shape, length = solid.shape, dist(a, b)
     if isinstance(shape, Mesh):
         begin, end = (_between(a, b, share) for share in stretch)
