@@ -13,7 +13,7 @@ from behaviors.channel import Channel
 from behaviors.flight import Flight, NotInControl
 from fsm.host import BehaviorInfo, Outcome
 from fsm.values.functions import EvaluationError
-from fsm.values.intake import admitted, admitted_fields, admitted_record, copied, kind_of
+from fsm.values.intake import admitted, admitted_fields, copied, kind_of, record_reader
 from fsm.values.types import TEXT
 from hal.vehicle import Observation
 
@@ -45,6 +45,8 @@ class DroneActivity:
         self._flight = Flight(channel, info.controls, self._raise, self._publish)
         self._post = post
         self._calls = calls or Calls()
+        self._read_record = record_reader(info.publishes)
+        self._publishes = getattr(info.implementation, "publishes", None)
         self._start = start or channel.observation
         self._behavior: Behavior | None = None
         self._untold = ""
@@ -92,8 +94,13 @@ class DroneActivity:
         if self.failure is not None:
             self._untold = ""
             return self.failure
+        run: Any = self._calls.run
+        behavior: Any = self._behavior
         try:
-            return self._calls.run(self._step, live)
+            if live:
+                run(self._refresh, live)
+            ended = run(behavior.step, self._flight)
+            return None if ended is None else run(self._outcome, ended)
         except CodeFailed as error:
             return _failed(str(error))
 
@@ -130,15 +137,13 @@ class DroneActivity:
         self._behavior = class_(class_.Params(**self._resolve(self._given)))
         self._behavior.start(self._flight, None if progress is None else copied(progress))
 
-    def _step(self, live: Mapping[str, Any]) -> Outcome | None:
+    def _refresh(self, live: Mapping[str, Any]) -> None:
         behavior: Any = self._behavior
-        for name, value in self._resolve(live).items() if live else ():
+        for name, value in self._resolve(live).items():
             # A parameter without a value now, such as the place of something unseen, stays.
             if value is not None:
                 self._given[name] = live[name]
                 setattr(behavior.params, name, value)
-        ended = behavior.step(self._flight)
-        return None if ended is None else self._outcome(ended)
 
     def _progress(self) -> Mapping[str, Any] | None:
         behavior: Any = self._behavior
@@ -184,7 +189,8 @@ class DroneActivity:
         return CodeFailed(message, place_of_function(getattr(self._behavior, method)))
 
     def _raise(self, name: str, record: Any) -> None:
-        self._need_life("raises no events")
+        if self._over:
+            raise NotInControl("a behaviour that was stopped raises no events")
         if name not in self.info.events:
             raise ValueError(f"{self.info.name} declares no event '{name}'")
         try:
@@ -194,21 +200,18 @@ class DroneActivity:
         self._post(name, fields)
 
     def _publish(self, record: Any) -> None:
-        self._need_life("publishes nothing")
-        declared = self.info.implementation.publishes
+        if self._over:
+            raise NotInControl("a behaviour that was stopped publishes nothing")
+        declared = self._publishes
         if declared is None or not isinstance(record, declared):
             known = "nothing" if declared is None else f"a {declared.__name__}"
             raise TypeError(f"{self.info.name} publishes {known}, not {kind_of(record)}")
         try:
-            self.published = admitted_record(record, self.info.publishes)
+            self.published = self._read_record(record)
         except EvaluationError as error:
             raise ValueError(f"what {self.info.name} publishes is wrong: {error}") from None
 
     # ------------------------------------------------------------------------------------------
-
-    def _need_life(self, does: str) -> None:
-        if self._over:
-            raise NotInControl(f"a behaviour that was stopped {does}")
 
     def _resolve(self, values: Mapping[str, Any]) -> dict[str, Any]:
         frame, parameters = self._channel.frame, self.info.parameters

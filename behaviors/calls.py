@@ -59,36 +59,28 @@ class Calls:
         self.began = 0.0
         """When the present call began, by the clock."""
 
-    def run(self, function: Callable[..., T], *arguments: Any, **named: Any) -> T:
+    def run(self, function: Callable[..., T], *arguments: Any) -> T:
         """Call a person's function. Raises CodeFailed, and nothing else but Stopped."""
-        result, error = self._attempt(function, arguments, named)
-        if error is None:
-            return result  # type: ignore[return-value]
-        if isinstance(error, (Stopped, CodeFailed)):
-            raise error
-        told, mute = self._attempt(_told, (error,), {})
-        if isinstance(mute, Stopped):
-            raise mute
-        message = type(error).__name__ if mute or told is None else told
-        raise CodeFailed(message, _place_of_error(error), error) from None
-
-    def _attempt(
-        self, function: Callable[..., T], arguments: Any, named: Any
-    ) -> tuple[T | None, BaseException | None]:
-        """What a function returns, and what it raises."""
         outer = self.current
         self.began = self._clock()
-        self._made += 1
-        self.current = self._made
+        self.current = self._made = self._made + 1
         # Signals are handled within calls and loops only: there is neither between the end of the
         # call and its being noted, so that nobody raises TookTooLong outside of this `try`.
         try:
-            result = function(*arguments, **named)
+            result = function(*arguments)
         except BaseException as error:
             self.current = outer
-            return None, error
-        self.current = outer
-        return result, None
+            raised = error
+        else:
+            self.current = outer
+            return result
+        raise self._failure(raised)
+
+    def _failure(self, error: BaseException) -> BaseException:
+        """What to raise instead of an exception of a person's code."""
+        if isinstance(error, (Stopped, CodeFailed)):
+            return error
+        return CodeFailed(self.run(_told, error), _place_of_error(error), error)
 
 
 def _told(error: BaseException) -> str:
@@ -97,7 +89,13 @@ def _told(error: BaseException) -> str:
         return error.faults[0].message
     if isinstance(error, (EvaluationError, TookTooLong)):
         return str(error)
-    return f"{type(error).__name__}: {error}".removesuffix(": ")
+    name = type(error).__name__
+    try:
+        return f"{name}: {error}".removesuffix(": ")
+    except Stopped:
+        raise
+    except BaseException:
+        return name  # it cannot even tell itself
 
 
 def one_line(text: str) -> str:

@@ -162,7 +162,7 @@ class Pilot:
             return
         function = self.instance.graph.vocabulary.functions[name].implementation
         try:
-            self._calls.run(function, **{name: copied(value) for name, value in arguments.items()})
+            self._calls.run(lambda: function(**copied(dict(arguments))))
         except CodeFailed as error:
             self._lapses.add(str(error))
             raise EvaluationError(str(error)) from None
@@ -186,7 +186,8 @@ class Pilot:
         seen = self.channel.observe(dt)
         self._note(seen)
         if self.outcome is None:
-            self._lapses.clear()
+            if self._lapses:
+                self._lapses.clear()
             for name, fields in self._watch.events(seen, dt):
                 if name == "vehicle.late":
                     self.instance.record("late", **fields)

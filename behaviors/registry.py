@@ -15,7 +15,6 @@ from typing import TypeGuard
 from behaviors.action import describe_action, is_action
 from behaviors.behavior import Behavior, describe
 from behaviors.calls import Calls, CodeFailed
-from behaviors.declaration import flaws_of
 from behaviors.host_functions import HOST_FUNCTIONS
 from fsm.host import BehaviorInfo, Function
 from vencejo.errors import Fault, UserError, Where, nearest
@@ -143,6 +142,9 @@ def _run(
     module: ModuleType, execute: Callable[[ModuleType], None], name: str
 ) -> list[BehaviorInfo | Function]:
     """Run a person's file, and look at what it defines. Raises _Flawed, and anything else."""
+    # Most missions have no Python beside them: what looks at it is imported when there is some.
+    from behaviors.declaration import flaws_of
+
     execute(module)
     # A class with two names in its file is one behaviour.
     own = dict.fromkeys(thing for thing in vars(module).values() if _is_own(thing, module))

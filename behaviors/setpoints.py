@@ -15,6 +15,7 @@ from vencejo.geometry import Point
 FURTHEST = 1e9
 """The largest number in a set-point, metres, m/s, radians or rad/s: with larger ones the sums of
 whoever follows it are no numbers any more."""
+_FURTHEST_SQUARED = FURTHEST**2
 _NUMBER = Number()
 
 
@@ -24,6 +25,9 @@ def checked(setpoint: Any) -> Setpoint:
     Raises TypeError for what is no set-point, or has something else where a number belongs;
     ValueError for numbers that are not finite or beyond FURTHEST, and for unknown words.
     """
+    if _is_plain(setpoint):
+        plain: Setpoint = setpoint
+        return plain
     for kind, reader in _READERS.items():
         if isinstance(setpoint, kind):
             read: Setpoint = reader(setpoint)
@@ -69,30 +73,47 @@ def _word(what: str, value: Any, known: tuple[str, ...]) -> Any:
     return value
 
 
-def _are_plain(*values: Any) -> bool:
-    """Whether all are floats that may stand in a set-point: most are."""
-    for value in values:
-        if type(value) is not float or not -FURTHEST <= value <= FURTHEST:
-            return False
-    return True
+def _is_plain(setpoint: Any) -> bool:
+    """Whether a set-point is as :func:`checked` gives it, as most are; False when in doubt."""
+    # One sum of squares tests all its numbers: it is small only when each is finite and small.
+    try:
+        if type(setpoint) is Position:
+            xyz, velocity, yaw, yaw_rate = setpoint
+            x, y, z = xyz
+            if not type(x) is type(y) is type(z) is float or type(xyz) is not Point:
+                return False
+            total = x * x + y * y + z * z
+            if velocity is not None:
+                x, y, z = velocity
+                total += x * x + y * y + z * z
+            if yaw is not None:
+                total += yaw * yaw
+            if yaw_rate is not None:
+                total += yaw_rate * yaw_rate
+            return type(total) is float and total < _FURTHEST_SQUARED
+        if type(setpoint) is Velocity:
+            x, y, z, frame, yaw_rate = setpoint
+            if not type(x) is type(y) is type(z) is type(yaw_rate) is float:
+                return False
+            total = x * x + y * y + z * z + yaw_rate * yaw_rate
+            return total < _FURTHEST_SQUARED and frame in ("world", "heading")
+    except (TypeError, ValueError, ArithmeticError):
+        pass  # it is told what is wrong with it where each number is looked at
+    return False
 
 
 def _velocity(given: Velocity) -> Velocity:
-    x, y, z, frame, yaw_rate = given
-    _word("frame", frame, ("world", "heading"))
-    if _are_plain(x, y, z, yaw_rate):
-        return given
-    numbers = number("x", x), number("y", y), number("z", z)
-    return Velocity(*numbers, frame, number("yaw_rate", yaw_rate))
+    numbers = number("x", given.x), number("y", given.y), number("z", given.z)
+    frame = _word("frame", given.frame, ("world", "heading"))
+    return Velocity(*numbers, frame, number("yaw_rate", given.yaw_rate))
 
 
 def _position(given: Position) -> Position:
-    xyz, velocity, yaw, yaw_rate = given
     return Position(
-        xyz if type(xyz) is Point and _are_plain(*xyz) else _point("xyz", xyz),
-        velocity if velocity is None else _point("velocity", velocity),
-        _optional("yaw", yaw),
-        _optional("yaw_rate", yaw_rate),
+        _point("xyz", given.xyz),
+        None if given.velocity is None else _point("velocity", given.velocity),
+        _optional("yaw", given.yaw),
+        _optional("yaw_rate", given.yaw_rate),
     )
 
 

@@ -25,7 +25,7 @@ from time import perf_counter
 from rich.console import Console
 
 from bench.machine import machine
-from cli.view import LiveView
+from cli.live_view import LiveView
 from fsm import parse_parameters
 from hal import PERIOD
 from hal.sim.bullet import Bullet
@@ -36,7 +36,6 @@ from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
 from runner.preparation import prepare
 from runner.recorder import Recorder
-from runner.run_folder import ALONE
 
 GOAL = 150.0
 RUNS = 15
@@ -82,7 +81,7 @@ def digest(factor: float | None, watched: bool) -> str:
         watchers: Sequence[Watcher] = ()
         if watched:
             console = Console(file=io.StringIO(), force_terminal=True, width=90)
-            watchers = [LiveView(ordered.assignments[ALONE].prepared.graph, console, factor)]
+            watchers = [LiveView(console, ordered.world, factor)]
         fly(ordered, lambda: Recorder(Path(folder)), watchers, Pace(factor))
         return sha256((Path(folder) / "events.jsonl").read_bytes()).hexdigest()
 

@@ -118,8 +118,7 @@ def check(
     model = flight_model(backend or "sim")
     terms = Terms(model, limit_settings.on(model), clearance)
     with user_code(call_limit) as limit:
-        calls = None if no_code else limit.calls
-        reports = [_report(mission, world, terms, calls) for mission in missions_]
+        reports = [_report(m, world, terms, not no_code, limit.calls) for m in missions_]
     if backend is not None:
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
@@ -152,9 +151,7 @@ def _flown(
     return replace(report, flights=tuple(fly_trials(plan, range(count), limit)))
 
 
-def _report(mission: str, world: str | None, terms: Terms, calls: Calls | None) -> Report:
-    """The report on one file; without ``calls`` no Python is run."""
-    code = calls is not None
+def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
     try:
         prepared = prepare(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:

@@ -21,8 +21,11 @@ def leave(code: int) -> NoReturn:
 
 @contextmanager
 def not_kept_alive() -> Iterator[None]:
-    """End the process where this ends, also when threads have been started that go on."""
-    before = set(threading.enumerate())
+    """End the process where this ends, also when threads or processes have been started that go on.
+
+    Python would wait for them.
+    """
+    before = _at_work()
     code: object = 0
     try:
         yield
@@ -30,5 +33,13 @@ def not_kept_alive() -> Iterator[None]:
         code = stop.code
         raise
     finally:
-        if any(not thread.daemon for thread in set(threading.enumerate()) - before):
+        if _at_work() - before:
             leave(code if isinstance(code, int) else bool(code))
+
+
+def _at_work() -> set[object]:
+    """The threads and child processes for which Python waits at its end."""
+    threads = {thread for thread in threading.enumerate() if not thread.daemon}
+    multiprocessing = sys.modules.get("multiprocessing")
+    children = multiprocessing.active_children() if multiprocessing else ()
+    return {*threads, *(child for child in children if not child.daemon)}

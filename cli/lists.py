@@ -334,7 +334,7 @@ def _some(names: list[str]) -> str:
 @click.argument("folder", type=click.Path(path_type=Path))
 def picture(folder: Path) -> None:
     """Draw the picture of the run in FOLDER, also of one that was killed."""
-    from cli.flight_plot import draw
+    from cli.plot import draw
 
     click.echo(draw(folder))
 

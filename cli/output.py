@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import codecs
 import errno
-import json
 import os
 import sys
 from collections.abc import Callable
@@ -116,6 +115,8 @@ def echo_json(
 
     ``indent`` and ``default`` are those of ``json.dumps``.
     """
+    import json  # late: most commands print none, and have a shorter start without it
+
     out: object = sys.stdout
     escaped = isinstance(out, Output) and not out.unicode
     click.echo(json.dumps(value, ensure_ascii=escaped, indent=indent, default=default))

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, cast
+from typing import IO, TYPE_CHECKING, cast
 
 import click
 
@@ -41,6 +41,9 @@ from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 
 @click.command()
@@ -116,6 +119,11 @@ from vencejo.errors import Fault, OutputError, Stopped, UserError
 )
 @call_limit_option
 @click.option(
+    "--no-picture",
+    is_flag=True,
+    help="Do not draw flight.png; `drone-cli picture FOLDER` does it later.",
+)
+@click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
 @click.pass_obj
@@ -136,6 +144,7 @@ def run(
     shadows: bool,
     runs_dir: Path,
     no_frames: bool,
+    no_picture: bool,
     call_limit: float | None,
     as_json: bool,
 ) -> None:
@@ -180,7 +189,18 @@ def run(
             recorder.keep([camera_file], camera_file.parent)
         return recorder
 
-    sys.exit(_fly(plan, speed, call_limit, record, None if as_json else out))
+    how = _Shown(None if as_json else out, picture=not no_picture)
+    sys.exit(_fly(plan, speed, call_limit, record, how))
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """How a flight is shown."""
+
+    out: Output | None
+    """Shows it while it goes on, and its end; without it the end is printed as JSON."""
+    picture: bool
+    """Whether its picture is drawn."""
 
 
 def _fly(
@@ -188,9 +208,9 @@ def _fly(
     speed: float | None,
     call_limit: float | None,
     new_recorder: Callable[[], Recorder],
-    out: Output | None,
+    how: _Shown,
 ) -> int:
-    """Fly, record and show on ``out``, or print JSON at the end; the exit code."""
+    """Fly, record and show; the exit code."""
     made: list[Recorder] = []
 
     def record() -> Recorder:
@@ -207,21 +227,21 @@ def _fly(
             def landed(summary: Summary) -> int:
                 """The end of a flight in which a call did not end; the exit code."""
                 stack.close()
-                return _finish(summary, made[0], out)
+                return _finish(summary, made[0], how)
 
             limit = stack.enter_context(user_code(call_limit, landed))
             stops = stack.enter_context(Interrupts())
-            watchers = _watchers(plan, speed, out, stops, stack) if out else ()
+            watchers = _watchers(plan, speed, how.out, stops, stack) if how.out else ()
             summary = fly(plan, record, watchers, Pace(speed), stops, limit)
     except Stopped:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
         if made:
             click.echo(f"run folder: {made[0].folder}", err=True)
         sys.exit(INTERRUPTED)
-    return _finish(summary, made[0], out)
+    return _finish(summary, made[0], how)
 
 
-def _finish(summary: Summary, recorder: Recorder, out: Output | None) -> int:
+def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
     """Write and show how a flight ended; the exit code."""
     with Interrupts():  # one Ctrl-C more than the flight needed must not hide how it ended
         folder = recorder.folder
@@ -231,14 +251,14 @@ def _finish(summary: Summary, recorder: Recorder, out: Output | None) -> int:
                 click.echo(f"{name}: {flown.failure}", err=True)
         if summary.unrecorded:
             click.echo(summary.unrecorded, err=True)
-        no_room = _draw(folder)
+        no_room = how.picture and _draw(folder)
         fields = summary_fields(summary, folder)
-        if out is None:
+        if how.out is None:
             echo_json(fields, default=as_json_value)
         else:
             from cli.view import show_summary
 
-            show_summary(fields)
+            show_summary(fields, colored=_is_colored(_console(how.out)))
         return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
 
 
@@ -255,16 +275,28 @@ def _watchers(
     plan: Plan, speed: float | None, out: Output, stops: Interrupts, stack: ExitStack
 ) -> list[Watcher]:
     """The live view on a terminal that can draw it, plain lines elsewhere."""
+    console = _console(out)
+    drawable = out.isatty() and console.is_terminal and not console.is_dumb_terminal
+    if not (drawable and out.unicode):
+        from cli.view import PlainView
+
+        return [PlainView(out, colored=_is_colored(console)), _Reader(out, stops)]
+    from cli.live_view import LiveView
+
+    # Elsewhere the world's things do not stand where its file says.
+    world = plan.world if plan.backend == "sim" else None
+    return [stack.enter_context(LiveView(console, world, speed)), _Reader(out, stops)]
+
+
+def _console(out: Output) -> Console:
     from rich.console import Console
 
-    from cli.view import LiveView, PlainView
+    return Console(file=cast(IO[str], out))
 
-    console = Console(file=cast(IO[str], out))
-    if not console.is_terminal or console.is_dumb_terminal or not out.unicode:
-        return [PlainView(out), _Reader(out, stops)]
-    (assignment,) = plan.assignments.values()
-    view = stack.enter_context(LiveView(assignment.prepared.graph, console, speed))
-    return [view, _Reader(out, stops)]
+
+def _is_colored(console: Console) -> bool:
+    """Whether colours are wanted: on a terminal, or by FORCE_COLOR, but never with NO_COLOR."""
+    return console.color_system is not None and not console.no_color
 
 
 @dataclass(frozen=True)
@@ -281,7 +313,7 @@ class _Reader:
 
 def _draw(folder: Path) -> bool:
     """Draw the run's picture; True when the disk had no room for it."""
-    from cli.flight_plot import draw
+    from cli.plot import draw
 
     try:
         with Interrupts(last=1):

@@ -26,7 +26,9 @@ def schema(call_limit: float | None, worlds: bool) -> None:
 
       # yaml-language-server: $schema=mission.schema.json
     """
+    if worlds:
+        echo_json(world_schema(), indent=2)
+        return
     with user_code(call_limit) as limit:
-        vocabulary = drone_vocabulary(calls=limit.calls)
-        found = world_schema() if worlds else mission_schema(vocabulary)
+        found = mission_schema(drone_vocabulary(calls=limit.calls))
     echo_json(found, indent=2)

@@ -7,9 +7,11 @@ import signal
 from types import FrameType, TracebackType
 
 from cli.ending import leave
-from runner.run_folder import INTERRUPTED
 from vencejo.errors import Stopped
 
+_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 LAST_WORDS = b"\nstopped; a vehicle in flight is left to its own failsafe\n"
 
 
@@ -35,12 +37,12 @@ class Interrupts:
             return
         if self._told:
             os.write(2, LAST_WORDS)
-            leave(INTERRUPTED)
+            leave(Stopped.exit_code)
         self._told = True
         raise Stopped
 
     def __enter__(self) -> Interrupts:
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in _SIGNALS:
             self._before[number] = signal.signal(number, self._handle)  # type: ignore[assignment]
         return self
 

@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any, NoReturn
+from typing import IO, TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -23,8 +23,11 @@ from cli.ending import leave
 from cli.signals import LAST_WORDS, Interrupts
 from runner.call_limit import CallLimit
 from runner.process_settings import ProcessSettings
-from runner.run_folder import INTERRUPTED, Summary
 from vencejo.errors import Stopped, UserError, Where
+
+if TYPE_CHECKING:
+    # Commands that fly nothing do without what only flights need.
+    from runner.run_folder import Summary
 
 
 @contextmanager
@@ -49,8 +52,9 @@ def user_code(
             code = error.exit_code
         except Stopped:
             os.write(2, LAST_WORDS)
-            code = INTERRUPTED
+            code = Stopped.exit_code
         except Exception:
+            code = 1
             sys.excepthook(*sys.exc_info())
         finally:
             leave(code)
@@ -67,9 +71,13 @@ def _apart() -> Iterator[None]:
     Threads that it leaves behind keep them.
     """
     stdin, stdout, stderr = sys.stdin, sys.stdout, sys.stderr
-    folder, before = Path().absolute(), set(threading.enumerate())
+    before = set(threading.enumerate())
+    folder: Path | None = None
+    with suppress(OSError):  # it may have been removed
+        folder = Path.cwd()
     settings = ProcessSettings.now()
-    sys.stdin, sys.stdout, sys.stderr = _NoInput(), _Aside(stderr), _Aside(stderr)
+    aside = _Aside(stderr)
+    sys.stdin, sys.stdout, sys.stderr = _NoInput(), aside, _Aside(stderr)
     try:
         yield
     finally:
@@ -77,8 +85,14 @@ def _apart() -> Iterator[None]:
         left = set(threading.enumerate()) - before
         sys.stdin, sys.stderr = stdin, stderr
         sys.stdout = _Aside(stderr, main=stdout) if left else stdout
+        if threading.active_count() > 1:
+            _IN_USE.append(aside)
         with suppress(OSError):
-            os.chdir(folder)
+            os.chdir(folder or os.curdir)
+
+
+_IN_USE: list[object] = []
+"""Streams that threads may be printing to: Python's ``print`` does not keep them itself."""
 
 
 class _NoInput(io.TextIOBase):

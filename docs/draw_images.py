@@ -11,9 +11,9 @@ import cv2
 from rich.console import Console
 
 from behaviors import Pilot
-from cli.flight_plot import draw
+from cli.live_view import LiveView
 from cli.look import render
-from cli.view import LiveView
+from cli.plot import draw
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
@@ -21,7 +21,7 @@ from runner import missions
 from runner.loop import Plan, fly
 from runner.preparation import prepare
 from runner.recorder import Recorder
-from worlds import find_world, world_names
+from worlds import World, find_world, world_names
 
 IMAGES = Path(__file__).parent / "images"
 MOMENT = 11.0
@@ -30,18 +30,21 @@ SPEED = 2.0
 
 
 class _Snapshot:
-    """Keeps the live view of one moment."""
+    """Prints the live view of one moment."""
 
-    def __init__(self, view: LiveView, console: Console) -> None:
-        self.view = view
+    def __init__(self, console: Console, world: World) -> None:
         self.console = console
+        self.wall = 0.0
+        unseen = Console(file=io.StringIO(), force_terminal=True)
+        self.view = LiveView(unseen, world, SPEED, lambda: self.wall)
         self.taken = False
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        self.wall = pilot.channel.now / SPEED
         self.view.show(pilot, records)
         if pilot.channel.now >= MOMENT and not self.taken:
             self.taken = True
-            self.console.print(self.view.picture(pilot, MOMENT / SPEED))
+            self.console.print(self.view.picture(*self.console.size), end="")
 
 
 def draw_graphs() -> None:
@@ -68,10 +71,12 @@ def main() -> None:
     draw_worlds()
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
-    console = Console(record=True, width=90, file=io.StringIO(), force_terminal=True)
-    snapshot = _Snapshot(LiveView(prepared.graph, console, SPEED), console)
+    console = Console(record=True, width=96, height=28, file=io.StringIO(), force_terminal=True)
+    snapshot = _Snapshot(console, plan.world)
     with TemporaryDirectory() as folder:
-        fly(plan, lambda: Recorder(Path(folder)), [snapshot])
+        recorder = Recorder(Path(folder))
+        recorder.keep_world(plan.world)
+        recorder.write_summary(fly(plan, lambda: recorder, [snapshot]))
         draw(Path(folder)).replace(IMAGES / "first_flight.png")
     console.save_svg(str(IMAGES / "live.svg"), title="drone-cli run first_flight --speed 2")
 

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from runner.call_limit import CallLimit
     from runner.loop import Assignment, Plan, Stops, Watcher, fly
     from runner.pace import Pace
     from runner.preparation import Prepared, prepare
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Assignment",
+    "CallLimit",
     "Flown",
     "Header",
     "MissionFlight",
@@ -40,6 +42,7 @@ __all__ = [
     "read_run",
 ]
 _MODULES = {
+    "call_limit": ("CallLimit",),
     "loop": ("Assignment", "Plan", "Stops", "Watcher", "fly"),
     "pace": ("Pace",),
     "preparation": ("Prepared", "prepare"),

@@ -18,11 +18,14 @@ import threading
 import time
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from behaviors import Calls, CodeFailed, TookTooLong
 from behaviors.calls import place_in
-from runner.run_folder import Summary
+
+if TYPE_CHECKING:
+    # Commands that fly nothing do without what only flights need.
+    from runner.run_folder import Summary
 
 CALL_LIMIT = 5.0
 """The usual limit, seconds of wall time."""

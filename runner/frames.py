@@ -8,6 +8,7 @@ from typing import Any
 from hal.vehicle import Frame, Intrinsics
 from runner.appended_file import AppendedFile, encode, writing
 from runner.run_folder import FRAMES, frame_fields, frame_file, frames_header
+from vencejo.files import write_whole
 
 QUALITY = 90
 """Quality of the JPEGs, 0 to 100: files are a quarter smaller than at OpenCV's default of 95."""
@@ -40,14 +41,7 @@ class FrameFiles:
 
         _, data = cv2.imencode(".jpg", frame.image, (cv2.IMWRITE_JPEG_QUALITY, QUALITY))
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Under its own name only when it is whole: the program may be killed at any moment.
-        part = path.with_name(path.name + ".part")
-        try:
-            part.write_bytes(data.data)
-            part.replace(path)
-        except OSError:
-            part.unlink(missing_ok=True)
-            raise
+        write_whole(path, data.data)
 
     def _append(self, line: dict[str, Any]) -> None:
         if self._lines is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -19,12 +20,14 @@ from behaviors.host_functions import set_limits
 from fsm.engine.instance import Record
 from fsm.values.functions import EvaluationError
 from hal import Limits, Options, Session, open_backend
+from hal.vehicle import PERIODS_PER_SECOND
 from runner.call_limit import CallLimit
+from runner.course import Entered, collisions, entered
 from runner.pace import Pace
 from runner.preparation import Prepared
 from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
-from runner.run_folder import ALONE, Flown, Header, MissionFacts, Summary
+from runner.run_folder import ALONE, LAST_ENTERED, Flown, Header, MissionFacts, Summary
 from vencejo.errors import UserError, VehicleError, Where
 from vencejo.geometry import Point, distance
 from vencejo.version import __version__
@@ -119,8 +122,12 @@ class _Craft:
     distance: float = 0.0
     max_altitude: float = 0.0
     left_ground: bool = False
+    entered: deque[Entered] = field(default_factory=lambda: deque(maxlen=LAST_ENTERED))
+    collisions: Counter[str] = field(default_factory=Counter)
     failure: VehicleError | None = None
     """The error because of which it could not be landed; None for none."""
+    has_defect: bool = False
+    """Whether an exception that nobody expected has ended its mission."""
     _last: Point | None = None
 
     @property
@@ -138,6 +145,7 @@ class _Craft:
             # Ours, or of a person's code in a way nobody has thought of: shown, and landed.
             if self.pilot.outcome is not None:
                 raise
+            self.has_defect = True
             sys.excepthook(type(defect), defect, defect.__traceback__)
             self.pilot.abandon(f"a defect of the program: {type(defect).__name__}: {defect}")
         channel = self.pilot.channel
@@ -149,6 +157,8 @@ class _Craft:
         self.max_altitude = max(self.max_altitude, position.z - channel.frame.origin.z)
         self.left_ground = self.left_ground or channel.world.flying
         self._last = position
+        if channel.world.events:
+            self.collisions.update(collisions(channel.world))
 
     def lose(self, error: VehicleError) -> None:
         """It or its backend has failed: order the landing all the same."""
@@ -165,6 +175,8 @@ class _Craft:
             distance=self.distance,
             max_altitude=self.max_altitude,
             battery=pilot.channel.observation.battery,
+            entered=tuple(self.entered),
+            collisions=dict(self.collisions),
             failure=self.failure.faults[0].message if self.failure else "",
             left_ground=self.left_ground,
         )
@@ -233,49 +245,57 @@ class _Flying:
 
     def go_on(self, dt: float | None) -> None:
         """Fly on with a period of ``dt`` seconds until all vehicles are down, or cannot be."""
-        while dt is not None:
-            self._period(dt)
-            dt = self._next()
+        stops, log, pace = self.stops, self.log, self.pace
+        periods = 0
+        while dt is not None and self.aloft:
+            periods += 1
+            if periods % PERIODS_PER_SECOND == 0:
+                self._undo_changes()
+            if stops.count > self.answered:
+                self.answered = stops.count
+                self._stop(at_once=self.answered > 1)
+            for craft in self.aloft:
+                craft.period(dt)
+                if craft.has_defect:
+                    self._undo_changes()
+            self._show()
+            if log.failure:
+                # A flight nobody can read afterwards is of no use, but it is not left in the air.
+                self._stop(at_once=True)
+            if pace.factor is not None:
+                pace.wait(self.aloft[0].pilot.channel.now, self._is_asked_more)
+            self.aloft = [craft for craft in self.aloft if not craft.over]
+            if self.aloft:
+                dt = self._wait()
 
     def abandon(self, reason: str) -> None:
         """End all missions in the midst of a period, land, and come back when all are down."""
         for craft in self.aloft:
             craft.pilot.abandon(reason)
-        self.go_on(self._next())
+        self._undo_changes()
+        self.go_on(self._wait())
 
-    def _period(self, dt: float) -> None:
-        if self.stops.count > self.answered:
-            self.answered = self.stops.count
-            self._stop(at_once=self.answered > 1)
-        self.settings.restore()
-        self.limit.renew()
-        for craft in self.aloft:
-            craft.period(dt)
-        self._show()
-        if self.log.failure:
-            # A flight nobody can read afterwards is of no use, but it is not left in the air.
-            self._stop(at_once=True)
-        if self.pace.factor is not None:
-            self.pace.wait(self.aloft[0].pilot.channel.now, self._is_asked_more)
-        self.aloft = [craft for craft in self.aloft if not craft.over]
-
-    def _next(self) -> float | None:
-        """Wait for the next period; its seconds, or None when the flight is over."""
-        if not self.aloft:
-            return None
+    def _wait(self) -> float | None:
+        """Wait for the next period; its seconds, or None when the session has failed."""
         try:
             return self.session.wait()
         except VehicleError as error:
             for craft in self.aloft:
                 craft.lose(error)
             self._show(period=False)
-            self.aloft = []
             return None
+
+    def _undo_changes(self) -> None:
+        """Set again what people's code may have changed in this process."""
+        self.settings.restore()
+        self.limit.renew()
 
     def _show(self, *, period: bool = True) -> None:
         """Write down and show what the vehicles have just done, in a new ``period`` or not."""
         for craft in self.aloft:
             records = self.log.take(craft.pilot, period=period)
+            if records:
+                craft.entered.extend(entered(craft.pilot.instance, records))
             for watcher in self.watchers:
                 watcher.show(craft.pilot, records)
 

@@ -6,8 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 _SIGNALS = tuple(
     getattr(signal, name)
@@ -17,8 +16,7 @@ _SIGNALS = tuple(
 """The signals by which a flight is stopped, and that of the limit on calls."""
 
 
-@dataclass(frozen=True)
-class ProcessSettings:
+class ProcessSettings(NamedTuple):
     """The handlers of signals, what traces and profiles, and how deep calls may go."""
 
     handlers: Mapping[int, Any]

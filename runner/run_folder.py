@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from hal.vehicle import Frame, Intrinsics, Observation, Reading
+from runner.course import Entered
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point, Quaternion, roll_pitch_of
 
@@ -33,6 +34,8 @@ ALONE = "drone"
 """The name of a vehicle that flies alone: its run's header and summary need not name it."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130
 """Exit codes of runs that have flown."""
+LAST_ENTERED = 20
+"""The number of states that a summary tells of, the last ones; ``events.jsonl`` has all."""
 RawLine = TypeVar("RawLine")
 Read = TypeVar("Read")
 
@@ -142,6 +145,10 @@ class Flown:
     """Above home, metres."""
     battery: float
     """Charge left, 0 to 1."""
+    entered: Sequence[Entered] = ()
+    """The states that its mission entered, at most the last LAST_ENTERED, and why."""
+    collisions: Mapping[str, int] = field(default_factory=dict)
+    """Name of a thing → how often the vehicle ran into it."""
     failure: str = ""
     """The reason why the vehicle could not be landed; empty when it was."""
     left_ground: bool = True
@@ -352,8 +359,8 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
 _SUMMARY_ORDER = (
     *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
-    "left_ground",
-    *("battery_left", "vehicles", "world", "parameters", "seed", "backend", "engine"),
+    *("left_ground", "battery_left", "entered", "collisions", "vehicles"),
+    *("world", "parameters", "seed", "backend", "engine"),
     *("versions", "unrecorded", "run_folder"),
 )
 """Order of the keys for a person to read: the results come first."""
@@ -369,6 +376,11 @@ def _flown_fields(flown: Flown) -> dict[str, Any]:
         "max_altitude_m": round(flown.max_altitude, 2),
         "left_ground": flown.left_ground,
         "battery_left": round(flown.battery, 4),
+        "entered": [
+            {"t": round(time, 6), "state": state, "why": why or None}
+            for time, state, why in flown.entered
+        ],
+        "collisions": dict(flown.collisions),
         **({"failure": flown.failure} if flown.failure else {}),
     }
 
@@ -606,6 +618,11 @@ def _flown_of(fields: Mapping[str, Any]) -> Flown:
         distance=fields["distance_m"],
         max_altitude=fields["max_altitude_m"],
         battery=fields["battery_left"],
+        entered=tuple(
+            Entered(each["t"], each["state"], each["why"] or "")
+            for each in fields.get("entered", ())
+        ),
+        collisions=fields.get("collisions", {}),
         failure=fields.get("failure", ""),
         left_ground=fields.get("left_ground", True),
     )

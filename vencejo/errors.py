@@ -103,7 +103,12 @@ def cannot_write(
 
 
 class Stopped(BaseException):
-    """The operator stops the program: all that guards people's code lets through."""
+    """The operator stops the program: all that guards people's code lets through.
+
+    A command that it ends has this ``exit_code``.
+    """
+
+    exit_code = 130
 
 
 def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> str | None:

@@ -1,4 +1,4 @@
-"""Paths of files that are named in a user's file."""
+"""Files that a user's file names, and files that are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -29,3 +29,17 @@ def file_inside(folder: Path, word: Scalar, what: str) -> Path:
             f"{what} lies beside that file or further inside",
         )
     return path
+
+
+def write_whole(path: Path, data: bytes | memoryview) -> None:
+    """Write a file that has its name only when it is whole: the program may be killed any time.
+
+    Raises OSError, and then leaves nothing behind.
+    """
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_bytes(data)
+        part.replace(path)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise

@@ -3,6 +3,7 @@
 from worlds.catalog import find_world, world_families, world_names
 from worlds.loader import load_world
 from worlds.motion import pose_at
+from worlds.outlines import Outline, outlines_of
 from worlds.things import Color, Thing
 from worlds.world import Ground, Light, Origin, Road, Start, World
 
@@ -11,12 +12,14 @@ __all__ = [
     "Ground",
     "Light",
     "Origin",
+    "Outline",
     "Road",
     "Start",
     "Thing",
     "World",
     "find_world",
     "load_world",
+    "outlines_of",
     "pose_at",
     "world_families",
     "world_names",

@@ -67,11 +67,14 @@ class BulletRenderer:
         self._bodies: dict[str, list[tuple[int, Part]]] = {}
         self._boxes: dict[str, list[OrientedBox]] = {}
         """The boxes about the parts of things, placed as they are."""
+        terrain = world.ground.terrain
+        self._highest = max(map(max, terrain.heights)) if terrain else None
+        """Height of the highest hill, metres; None for level ground."""
         try:
             tiles = GroundTiles(world.ground)
             self._add_ground(tiles)
-            if world.ground.terrain:
-                self._add_terrain(tiles, world.ground.terrain)
+            if terrain:
+                self._add_terrain(tiles, terrain)
             for key, thing in self._scene.things.items():
                 self._bodies[key] = [(self._show(part), part) for part in thing.parts]
                 self.names |= {body: key for body, _ in self._bodies[key]}
@@ -138,8 +141,8 @@ class BulletRenderer:
     def _least_depth(self, pose: Pose, lens: Intrinsics) -> float:
         """A depth that nothing in an image falls short of, metres."""
         eye = np.array(pose[0])
-        terrain = self._world.ground.terrain
-        gaps = [pose[0].z - max(map(max, terrain.heights)) if terrain else abs(pose[0].z)]
+        height = pose[0].z
+        gaps = [abs(height) if self._highest is None else height - self._highest]
         gaps += [box.distance(eye) for boxes in self._boxes.values() for box in boxes]
         # In a corner of the image depth is the least share of the distance.
         across = max(lens.cx + 1, lens.width - lens.cx) / lens.fx

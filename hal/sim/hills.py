@@ -60,7 +60,7 @@ def earth(p: Any, client: int, terrain: Terrain) -> int:
 
 
 def convex_tops(terrain: Terrain) -> Iterator[Sequence[Point]]:
-    """The corners of parts of the surface whose undergrowth is convex, where it is above 0.
+    """The corners of parts of the surface with convex solids under them, where it is above 0.
 
     A cell is one part where its diagonal (see :func:`worlds.terrain.height_at`) is a ridge, and one
     for each triangle where it is a valley.

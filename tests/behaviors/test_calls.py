@@ -33,7 +33,7 @@ def failure(function: Any, *arguments: Any) -> CodeFailed:
 
 
 def test_what_it_returns_is_returned() -> None:
-    assert Calls().run(lambda a, b: a - b, 3, b=1) == 2
+    assert Calls().run(lambda a, b: a - b, 3, 1) == 2
 
 
 @pytest.mark.parametrize(

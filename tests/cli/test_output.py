@@ -118,19 +118,18 @@ def test_an_encoding_without_arrows(command: str, encoding: str, folder: Path) -
     text = (done.stdout + done.stderr).decode(encoding)
     assert "Traceback" not in text
     if command == "run hop.yaml":
-        assert "-> takeoff  (takeoff)" in text
+        assert "-> land (done)  altitude 1.0 m" in text
         assert "ok hop ended in 'done'" in text
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", EVERY_COMMAND)
 def test_a_dumb_terminal(command: str, folder: Path) -> None:
-    """On a pseudo-terminal, by ``script``-like means of the standard library."""
     code, text = on_a_terminal(command, folder, TERM="dumb")
     assert code == EVERY_COMMAND[command]
     assert "\x1b" not in text and "Traceback" not in text
     if command == "run hop.yaml":
-        assert "→ takeoff  (takeoff)" in text
+        assert "→ land (done)  altitude 1.0 m" in text
         assert "✔ hop ended in 'done'" in text
 
 
@@ -141,7 +140,7 @@ def test_other_terminals_are_drawn_on(folder: Path) -> None:
     assert "\x1b" in text and "from above, north up" in text
     code, text = on_a_terminal("run hop.yaml", folder, TERM="xterm", PYTHONIOENCODING="ascii")
     assert code == 0
-    assert "\x1b" not in text and "-> takeoff  (takeoff)" in text
+    assert "\x1b" not in text and "-> land (done)  altitude 1.0 m" in text
 
 
 @pytest.mark.slow
@@ -295,7 +294,7 @@ def test_a_picture_without_room_is_told(hop: str, monkeypatch: pytest.MonkeyPatc
     write_bytes = Path.write_bytes
 
     def full(path: Path, data: bytes) -> int:
-        if path.suffix == ".png":
+        if path.name == "flight.png.part":
             raise OSError(28, "No space left on device")
         return write_bytes(path, data)
 
@@ -303,6 +302,8 @@ def test_a_picture_without_room_is_told(hop: str, monkeypatch: pytest.MonkeyPatc
     done = run_cli("run", hop)
     assert done.code == 4
     assert "no picture: " in done.err and "No space left on device [cannot-write]" in done.err
+    (run,) = Path("runs").iterdir()
+    assert [path.name for path in run.iterdir() if "flight" in path.name] == []
     assert "✔ hop ended in 'done'" in done.out
 
 
@@ -313,7 +314,7 @@ def test_a_drawing_is_interrupted_without_losing_the_rest(
         os.kill(os.getpid(), signal.SIGINT)
         raise AssertionError("it goes on")
 
-    monkeypatch.setattr("cli.flight_plot.draw", interrupted)
+    monkeypatch.setattr("cli.plot.draw", interrupted)
     done = run_cli("run", hop)
     assert done.code == 0
     assert done.err.startswith("no picture: interrupted; drawn by `drone-cli picture runs/")

@@ -1,4 +1,4 @@
-"""Signals, the map, the notes and the plot of a run, each by itself."""
+"""Signals and the notes, each by itself."""
 
 from __future__ import annotations
 
@@ -6,13 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from cli.flight_plot import draw, stretches
+from cli.narrator import clock, note
 from cli.signals import Interrupts
-from cli.sketch import Sketch
-from cli.view import clock, note
-from runner import read_run
 from tests.cli.run_cli import run_cli
-from vencejo import UserError
 from vencejo.errors import Stopped
 
 
@@ -32,35 +28,56 @@ def test_sigterm_counts_as_two() -> None:
     assert stops.count == 2
 
 
-def test_the_sketch_draws_a_square_with_marks() -> None:
-    sketch = Sketch(columns=20, rows=10)
-    for place in ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)):
-        sketch.add(place)
-    lines = sketch.draw({"H": [(0.0, 0.0)], "X": [(4.0, 4.0)]})
-    assert [len(line) for line in lines] == [20] * 10
-    home = next((row, line.index("H")) for row, line in enumerate(lines) if "H" in line)
-    far = next((row, line.index("X")) for row, line in enumerate(lines) if "X" in line)
-    assert home[0] > far[0], "north is up"
-    assert home[1] < far[1], "east is right"
-
-
-def test_the_sketch_grows_with_the_path() -> None:
-    sketch = Sketch(columns=20, rows=10)
-    sketch.add((0.0, 0.0))
-    sketch.add((1000.0, -500.0))
-    lines = sketch.draw({"X": [(1000.0, -500.0)]})
-    assert "X" in "".join(lines)
-
-
 def test_the_clock_reads_minutes_and_seconds() -> None:
     assert clock(83.42) == "1:23.4"
 
 
-def test_notes_are_for_people() -> None:
-    assert note("log", {"text": "hello"}) == "hello"
-    assert note("enter", {"state": "a"}) is None
-    failed = {"name": "failed", "state": "up", "fields": {"reason": "too heavy"}}
-    assert note("event", failed) == "up failed: too heavy"
+@pytest.mark.parametrize(
+    ("kind", "fields", "text"),
+    [
+        ("log", {"text": "hello"}, "hello"),
+        ("enter", {"state": "a"}, None),
+        ("event", {"name": "done", "state": "up", "taken": True}, None),
+        ("event", {"name": "failed", "state": "up", "taken": False}, "up failed"),
+        (
+            "event",
+            {"name": "failed", "state": "up", "fields": {"reason": "too heavy"}, "taken": False},
+            "up failed: too heavy",
+        ),
+        # What a state handles is told with the state that it leads to.
+        (
+            "event",
+            {"name": "failed", "state": "up", "fields": {"reason": "too heavy"}, "taken": True},
+            None,
+        ),
+        (
+            "error",
+            {"message": "x: no value", "where": "m.yaml:3:9"},
+            "error: x: no value (m.yaml:3:9)",
+        ),
+        ("reaction", {"event": "link.lost", "does": "land"}, "nobody handles link.lost: landing"),
+        (
+            "reaction",
+            {"event": "operator.takeover", "does": "suspend"},
+            "nobody handles operator.takeover: the mission stands still",
+        ),
+        ("landing", {"by": "host"}, "landing past the mission"),
+        (
+            "refused",
+            {"setpoint": "Velocity", "reason": "on the ground"},
+            "the vehicle refuses a set-point (on the ground)",
+        ),
+        ("authority", {"authority": "mission", "reason": None}, "commanded by: mission"),
+        (
+            "authority",
+            {"authority": "autopilot", "reason": "failsafe"},
+            "commanded by: autopilot (failsafe)",
+        ),
+        ("link", {"link": "lost", "age": 3.0}, "the link is lost"),
+    ],
+)
+def test_notes_are_for_people(kind: str, fields: dict[str, object], text: str | None) -> None:
+    assert note(kind, fields) == text
 
 
 def test_a_run_has_a_picture(hop: str) -> None:
@@ -79,26 +96,3 @@ def test_a_killed_run_can_be_drawn(hop: str, undrawn: None) -> None:
     result = run_cli("picture", str(folder))
     assert result.code == 0, result.err
     assert (folder / "flight.png").exists()
-
-
-def test_states_are_stretches_of_the_track(hop: str, undrawn: None) -> None:
-    run_cli("run", hop)
-    (folder,) = Path("runs").iterdir()
-    run = read_run(folder)
-    ((takeoff, land),) = stretches(run)
-    assert (takeoff.state, land.state) == ("takeoff", "land")
-    # The second begins where the first ends, so that the path has no gap.
-    assert land.samples[0] == takeoff.samples[-1]
-    flown = [sample for sample in run.telemetry["drone"] if sample.states]
-    assert [*takeoff.samples, *land.samples[1:]] == flown
-
-
-def test_what_is_no_run_cannot_be_drawn(hop: str, undrawn: None, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="is no run folder"):
-        draw(tmp_path)
-    run_cli("run", hop)
-    (folder,) = Path("runs").iterdir()
-    columns, _, _ = (folder / "telemetry.csv").read_text().partition("\n")
-    (folder / "telemetry.csv").write_text(columns + "\n")
-    with pytest.raises(UserError, match="no telemetry"):
-        draw(folder)

@@ -35,7 +35,8 @@ def test_a_run_ends_with_a_summary_and_last_its_folder(hop: str) -> None:
 
 def test_plain_lines_tell_the_states(hop: str) -> None:
     lines = run_cli("run", hop).out.splitlines()
-    assert [line.split()[2] for line in lines if "→" in line] == ["takeoff", "land"]
+    told = [line.partition("→ ")[2].partition("  ")[0] for line in lines if "→" in line]
+    assert told == ["takeoff", "land (done)", "finish (done)"]
 
 
 def test_the_run_folder_holds_what_was_flown(hop: str) -> None:
@@ -280,3 +281,48 @@ def test_bad_arguments_are_explained_and_nothing_flies(case: str, hop: str) -> N
     assert "Traceback" not in result.err
     assert result.out == ""
     assert not Path("runs").exists()
+
+
+WALL = """\
+mission: wall
+world: yard
+states:
+  up: {do: takeoff, with: {altitude: 1 m}, on: {done: shed}}
+  shed: {do: goto, with: {to: [6, 2, 1]}, on: {done: home, blocked: home}}
+  home: {do: goto, with: {to: [0, 0, 1]}, on: {done: land, blocked: land}}
+  land: {do: land, on: {done: gave_up}}
+  gave_up: {type: final, outcome: gave_up}
+"""
+RED, PLAIN = "\x1b[31m", "\x1b[0m"
+
+
+def test_plain_lines_tell_why_and_what_it_ran_into(write: Write) -> None:
+    result = run_cli("run", write("wall.yaml", WALL))
+    assert result.code == 1
+    assert "\x1b" not in result.out
+    lines = [line[10:] for line in result.out.splitlines()]
+    collision = lines.index("  collision with shed")
+    assert lines[collision - 1].startswith("→ shed (done)  goto, altitude 1.0 m, battery ")
+    assert lines[collision + 1].startswith(
+        "→ home (blocked: came no nearer for 15 s)  goto, altitude 1.0 m, battery "
+    )
+    assert "  collided with shed" in result.out.splitlines()
+    assert json.loads((only_run() / "summary.json").read_text())["collisions"] == {"shed": 1}
+
+
+@pytest.mark.parametrize(
+    ("environment", "red"),
+    [({"FORCE_COLOR": "1"}, True), ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False), ({}, False)],
+)
+def test_collisions_are_red_where_colours_are_wanted(
+    write: Write, monkeypatch: pytest.MonkeyPatch, environment: dict[str, str], red: bool
+) -> None:
+    for name in ("FORCE_COLOR", "NO_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in {"TERM": "xterm", **environment}.items():
+        monkeypatch.setenv(name, value)
+    lines = run_cli("run", write("wall.yaml", WALL)).out.splitlines()
+    told = [line for line in lines if "collision with" in line or "collided with" in line]
+    assert len(told) == 2
+    assert [line.startswith(RED) and line.endswith(PLAIN) for line in told] == [red, red]
+    assert not any("\x1b" in line for line in lines if line not in told)

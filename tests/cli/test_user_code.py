@@ -286,6 +286,25 @@ def test_what_does_no_harm_is_flown(case: str) -> None:
     assert (Path.cwd(), signal.getsignal(signal.SIGINT), sys.getrecursionlimit()) == before
 
 
+def test_ctrl_c_works_again_within_a_second() -> None:
+    ignore = "self.began = flight.now\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"
+    step = (
+        "if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:\n"
+        "    return Outcome('found', {'number': flight.now - self.began})"
+    )
+    code = behavior(step, start=ignore, body="outcomes = {'done': None, 'found': Facts}")
+    found = '{done: down, found: {target: down, actions: {log: "$event.number"}}}'
+    flight, _ = flown(code, MISSION.replace("{done: down}", found).replace("{1 s:", "{9 s:"))
+    (log,) = [entry for entry in flight.run.events if entry.kind == "log"]
+    assert float(log.fields["text"]) <= 1.0
+
+
+def test_pictures_are_kept_wherever_its_code_goes() -> None:
+    flight, _ = flown(behavior("os.chdir('/')\nflight.camera('front').latest()"))
+    assert flight.result.code == 0
+    assert flight.run.frames and all(frame.path.exists() for frame in flight.run.frames)
+
+
 HEAD_PRINTS = "print('hello, I am imported')\n"
 
 
@@ -495,6 +514,21 @@ def test_a_thread_that_is_left_behind_does_not_keep_the_program_alive(lasts: str
     assert_landed_and_whole(flight)
     assert flight.result.code == 0
     assert "hello" in flight.result.err
+
+
+@pytest.mark.slow
+def test_a_process_that_is_left_behind_does_not_keep_the_program_alive() -> None:
+    start = "import multiprocessing as m; m.get_context('fork').Process(target=wait).start()"
+    written("def wait():\n    time.sleep(20)\n" + behavior(start=start))
+    began = time.monotonic()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.cli.drone_cli", "run", "m.yaml"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    assert process.wait(timeout=15) == 0
+    assert time.monotonic() - began < 15
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fsm.values.functions import EvaluationError
-from fsm.values.intake import admitted, admitted_fields, admitted_record, copied
+from fsm.values.intake import admitted, admitted_fields, copied, record_reader
 from fsm.values.packing import pack, unpack
 from fsm.values.types import ANY, BOOL, POINT, ListOf, MapOf, Number, Text, Type
 from runner.appended_file import encode
@@ -194,20 +194,29 @@ def test_nobody_changes_it_afterwards(copy: Callable[[Any], Any]) -> None:
 
 def test_a_record_that_is_plain_stays_the_same_object() -> None:
     spot = Spot(1.5, "x")
-    assert admitted_record(spot, {"at": Number(LENGTH), "name": Text()}) is spot
+    assert record_reader({"at": Number(LENGTH), "name": Text()})(spot) is spot
 
 
 def test_a_record_is_a_copy_where_it_is_not_plain() -> None:
     places: list[Any] = [1, np.int8(2)]
     spot = Spot(places, "x")
-    taken = admitted_record(spot, {"at": ANY, "name": Text()})
+    taken = record_reader({"at": ANY, "name": Text()})(spot)
     places.append(3)
     assert taken == Spot([1, 2], "x") and type(taken.at[1]) is int
 
 
+@pytest.mark.parametrize("bad", [nan, inf, 1e300, "x", True, [1.0]])
+def test_records_of_numbers_are_looked_at_too(bad: Any) -> None:
+    read = record_reader({"at": Number(LENGTH), "name": Number()})
+    whole = Spot(1.5, 2.5)  # type: ignore[arg-type]
+    assert read(whole) is whole
+    with pytest.raises(EvaluationError, match=r"^at: "):
+        read(Spot(bad, 2.5 if bad is not True else 2))  # type: ignore[arg-type]
+
+
 def test_a_wrong_field_is_named() -> None:
     with pytest.raises(EvaluationError, match=r"^name: 3 is not a text$"):
-        admitted_record(Spot(name=3), {"at": ANY, "name": Text()})  # type: ignore[arg-type]
+        record_reader({"at": ANY, "name": Text()})(Spot(name=3))  # type: ignore[arg-type]
     with pytest.raises(EvaluationError, match=r"^name: 3 is not a text$"):
         admitted_fields({"name": 3}, {"name": Text()})
 

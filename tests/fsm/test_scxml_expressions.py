@@ -21,7 +21,8 @@ from fsm.scxml.ecmascript import (
 )
 from fsm.values.functions import FAILURES, plain
 from fsm.values.null import NULL
-from vencejo.errors import UserError, Where
+from tests.fsm.one_fault import fault_of
+from vencejo.errors import Where
 
 WHERE = Where("c.scxml", 3, 10)
 VALUES: dict[str, Any] = {
@@ -318,13 +319,7 @@ def test_what_has_no_value_says_why(text: str, expected: str) -> None:
     ],
 )
 def test_mistake(text: str, expected: str) -> None:
-    with pytest.raises(UserError) as raised:
-        compile_value(text, WHERE, NAMES)
-    (fault,) = raised.value.faults
-    assert fault.where is not None
-    hint = f" ({fault.hint})" if fault.hint else ""
-    told = f"{fault.where.line}:{fault.where.column} {fault.code} {fault.message}{hint}"
-    assert told.startswith(expected)
+    assert fault_of(compile_value, text, WHERE, NAMES, hint=True).startswith(expected)
 
 
 @pytest.mark.parametrize(
@@ -432,11 +427,7 @@ def test_a_value_cannot_be_put_into_itself() -> None:
     ],
 )
 def test_what_cannot_be_assigned(location: str, expected: str) -> None:
-    with pytest.raises(UserError) as raised:
-        compile_location(location, WHERE, NAMES)
-    (fault,) = raised.value.faults
-    assert fault.where is not None
-    assert f"{fault.where.line}:{fault.where.column} {fault.code} {fault.message}" == expected
+    assert fault_of(compile_location, location, WHERE, NAMES) == expected
 
 
 @pytest.mark.parametrize(
@@ -452,11 +443,7 @@ def test_what_cannot_be_assigned(location: str, expected: str) -> None:
     ],
 )
 def test_what_is_no_assignment(text: str, expected: str) -> None:
-    with pytest.raises(UserError) as raised:
-        compile_script(text, WHERE, NAMES)
-    (fault,) = raised.value.faults
-    assert fault.where is not None
-    assert f"{fault.where.line}:{fault.where.column} {fault.code} {fault.message}" == expected
+    assert fault_of(compile_script, text, WHERE, NAMES) == expected
 
 
 def test_what_a_script_assigns() -> None:

@@ -21,6 +21,7 @@ from fsm.scxml.python import (
     compile_value,
 )
 from fsm.values.functions import FAILURES, plain
+from tests.fsm.one_fault import fault_of
 from vencejo.errors import UserError, Where
 
 WHERE = Where("c.scxml", 3, 10)
@@ -187,12 +188,7 @@ def test_what_has_no_value_says_why(text: str, expected: str) -> None:
     ],
 )
 def test_mistake(text: str, expected: str) -> None:
-    with pytest.raises(UserError) as raised:
-        compile_value(text, WHERE, NAMES)
-    (fault,) = raised.value.faults
-    assert fault.where is not None
-    told = f"{fault.where.line}:{fault.where.column} {fault.code} {fault.message}"
-    assert told.startswith(expected)
+    assert fault_of(compile_value, text, WHERE, NAMES).startswith(expected)
 
 
 @pytest.mark.parametrize("text", ["().__class__.__bases__", "__import__('os')", "''.format(1)"])
@@ -262,12 +258,7 @@ def test_the_assignments_of_a_script(script: str, expected: dict[str, Any]) -> N
     ],
 )
 def test_what_is_no_assignment(script: str, expected: str) -> None:
-    with pytest.raises(UserError) as raised:
-        compile_script(script, WHERE, NAMES)
-    (fault,) = raised.value.faults
-    assert fault.where is not None
-    told = f"{fault.where.line}:{fault.where.column} {fault.code} {fault.message}"
-    assert told.startswith(expected)
+    assert fault_of(compile_script, script, WHERE, NAMES).startswith(expected)
 
 
 @pytest.mark.parametrize(
@@ -280,11 +271,7 @@ def test_what_is_no_assignment(script: str, expected: str) -> None:
     ],
 )
 def test_what_cannot_be_assigned(location: str, expected: str) -> None:
-    with pytest.raises(UserError) as raised:
-        compile_location(location, WHERE, NAMES)
-    (fault,) = raised.value.faults
-    assert fault.where is not None
-    assert f"{fault.where.line}:{fault.where.column} {fault.code} {fault.message}" == expected
+    assert fault_of(compile_location, location, WHERE, NAMES) == expected
 
 
 def test_what_a_script_assigns() -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from behaviors import Pilot
 from behaviors.channel import Channel
-from cli.flight_plot import draw, stretches
+from cli.plot import draw
+from cli.plot.flight import flights_of
 from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal import Limits, Options, Session
@@ -124,8 +125,9 @@ def test_each_vehicle_flies_its_own_mission_to_its_own_end(tmp_path: Path) -> No
     assert summary_fields(run.summary, folder) | {"wall_time_s": 0, "realtime_factor": 0} == (
         summary_fields(summary, folder) | {"wall_time_s": 0, "realtime_factor": 0}
     )
-    flights = [[stretch.state for stretch in flight] for flight in stretches(run)]
-    assert flights == [["cat: up", "cat: down"], ["mouse: up", "mouse: stay", "mouse: down"]]
+    lanes = {flight.vehicle: flight.lanes for flight in flights_of(run)}
+    states = {name: [[bar.state for bar in lane] for lane in own] for name, own in lanes.items()}
+    assert states == {"cat": [["up", "down"]], "mouse": [["up", "stay", "down"]]}
     assert draw(folder).read_bytes().startswith(b"\x89PNG")
 
     shown = [(time, name) for time, name, _ in witness.shown]

@@ -1,0 +1,329 @@
+"""The picture of a run: the path from above in its world, and its figures over time.
+
+Made from the run folder's files alone, so that a run that was killed has one too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import groupby
+from math import hypot
+from pathlib import Path
+
+from cli.plot.axes import FRAME, LABEL, Axes, axes_from_above, axes_over
+from cli.plot.canvas import XY, Box, Canvas, Color, text_width
+from cli.plot.lanes import Lane, lanes_of, states_of
+from hal import PERIOD
+from runner.run_folder import Run, Sample, read_run
+from vencejo.errors import UserError, Where, cannot_write
+from vencejo.files import write_whole
+from worlds import World, load_world, outlines_of
+
+NAME = "flight.png"
+_WIDTH = 1280
+_MAP = Box(58, 62, 588, 592)
+_LEFT, _RIGHT = 652, _WIDTH - 16
+_ALTITUDE, _SPEED, _BATTERY = (
+    Box(_LEFT, top, _RIGHT, bottom) for top, bottom in ((62, 262), (292, 412), (442, 502))
+)
+_LANES = 532
+"""The top of the lanes of states."""
+_LANE = 20
+_ROW = 20
+"""Height of a row of the legend."""
+_SWATCH = 24
+_MOST_POINTS = 3000
+"""Of one line: more cannot be told apart."""
+_COLORS: Sequence[Color] = (
+    *((31, 119, 180), (255, 127, 14), (44, 160, 44), (148, 103, 189), (140, 86, 75)),
+    *((227, 119, 194), (23, 190, 207), (188, 189, 34), (0, 96, 100), (106, 90, 205)),
+)
+_RED, _DARK, _WHITE = (214, 39, 40), (40, 40, 40), (255, 255, 255)
+_THING, _THING_EDGE, _ROAD = (226, 226, 222), (150, 150, 145), (240, 240, 238)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """The flight of one vehicle while its mission ran, and the colours it is drawn in."""
+
+    vehicle: str
+    samples: Sequence[Sample]
+    lanes: Sequence[Lane]
+    collisions: Sequence[tuple[Sample, str]]
+    """The vehicle's state at the beginning of each, and the name of the thing."""
+
+
+def flights_of(run: Run) -> list[Flight]:
+    """The flights of all vehicles that have flown."""
+    found = []
+    for vehicle, telemetry in run.telemetry.items():
+        samples = [sample for sample in telemetry if sample.states]  # none: the mission has ended
+        if samples:
+            hits = _collisions(run, vehicle, telemetry)
+            found.append(Flight(vehicle, samples, lanes_of(samples), hits))
+    return found
+
+
+def _collisions(run: Run, vehicle: str, telemetry: Sequence[Sample]) -> list[tuple[Sample, str]]:
+    found = []
+    for entry in run.events:
+        fields = entry.fields
+        if (entry.vehicle, entry.kind, fields.get("name")) == (vehicle, "event", _COLLISION):
+            sample = min(telemetry, key=lambda sample: abs(sample.time - entry.time))
+            found.append((sample, str(fields.get("fields", {}).get("thing", ""))))
+    return found
+
+
+_COLLISION = "vehicle.collision"
+
+
+def draw(folder: Path) -> Path:
+    """Draw a run into its folder; the picture's path. Raises UserError."""
+    run = read_run(folder)
+    flights = flights_of(run)
+    if not flights:
+        raise UserError("no-run", "this run has no telemetry", Where(str(folder)))
+    path = folder / NAME
+    try:
+        write_whole(path, picture(run, flights, world_of(run)))
+    except OSError as error:
+        message = "this picture cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(path))) from None
+    return path
+
+
+def world_of(run: Run) -> World | None:
+    """The world of a run as its folder keeps it; None where it is not there or not readable."""
+    for path in sorted(run.folder.glob("*.yaml")):
+        with suppress(UserError, OSError):
+            world = load_world(path)
+            if world.sha256 == run.header.world_sha256:
+                return world
+    return None
+
+
+def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
+    """The picture as PNG."""
+    # What is told apart by colour: the states of one vehicle, or the vehicles.
+    alone = len(flights) == 1
+    told = states_of(flights[0].lanes) if alone else [flight.vehicle for flight in flights]
+    colors = {name: _COLORS[number % len(_COLORS)] for number, name in enumerate(told)}
+    lanes = [lane for flight in flights for lane in flight.lanes]
+    lanes_end = _LANES + _LANE * len(lanes)
+    legend = _legend_rows(told)
+    top = max(_MAP.bottom, lanes_end) + 44
+    canvas = Canvas(_WIDTH, round(top + _ROW * len(legend) + 8))
+    _draw_map(canvas, flights, world, colors)
+    _draw_figures(canvas, flights, colors)
+    _draw_lanes(canvas, flights, colors)
+    for number, row in enumerate(legend):
+        for left, name in row:
+            middle = top + _ROW * number + _ROW / 2
+            swatch = Box(left, middle - 5, left + 16, middle + 5)
+            canvas.rectangle(swatch, colors[name])
+            canvas.text((left + _SWATCH, middle), name)
+    _draw_title(canvas, run)
+    return canvas.png()
+
+
+def _draw_title(canvas: Canvas, run: Run) -> None:
+    missions = dict.fromkeys(mission.name for mission in run.header.missions.values())
+    title = f"{', '.join(missions)} in {run.header.world}"
+    canvas.text((_MAP.left, 22), title, 18)
+    if run.summary is None:
+        canvas.text((_MAP.left + text_width(title, 18) + 16, 23), "cut off", 14, _RED)
+        return
+    flown = run.summary.vehicles
+    ends = [
+        f"{f'{name}: ' if len(flown) > 1 else ''}{flight.outcome}"
+        f"{f' ({flight.reason})' if flight.reason else ''}"
+        for name, flight in flown.items()
+    ]
+    color = LABEL if all(flight.outcome == "done" for flight in flown.values()) else _RED
+    canvas.text((_MAP.left + text_width(title, 18) + 16, 23), ", ".join(ends), 14, color)
+
+
+def _legend_rows(names: Iterable[str]) -> list[list[tuple[float, str]]]:
+    """Names by rows, each with its left end; a row is as wide as the picture."""
+    rows: list[list[tuple[float, str]]] = [[]]
+    left = _MAP.left
+    for name in names:
+        width = _SWATCH + text_width(name) + 18
+        if rows[-1] and left + width > _RIGHT:
+            rows.append([])
+            left = _MAP.left
+        rows[-1].append((left, name))
+        left += width
+    return rows
+
+
+# -- the map ---------------------------------------------------------------------------------------
+
+
+def _draw_map(
+    canvas: Canvas, flights: Sequence[Flight], world: World | None, colors: dict[str, Color]
+) -> None:
+    paths = [[_from_above(sample) for sample in flight.samples] for flight in flights]
+    axes = axes_from_above(_MAP, [place for path in paths for place in path], 0.18, 8.0)
+    axes.grid(canvas, y_spacing=60)
+    if world is not None:
+        _draw_world(canvas, axes, world)
+    for flight, path in zip(flights, paths, strict=True):
+        for color, part in _colored(flight, colors):
+            canvas.line(_thinned(axes.places(map(_from_above, part))), color, 2.2)
+        _mark_start(canvas, axes.place(*path[0]))
+        for sample, thing in flight.collisions:
+            place = axes.place(*_from_above(sample))
+            _mark_collision(canvas, place)
+            canvas.text((place[0] + 9, place[1] - 8), thing, 12, _RED)
+    canvas.erase_outside(_MAP)
+    axes.frame(canvas, "path from above, north up; metres")
+    axes.label_x(canvas)
+    axes.label_y(canvas, 60)
+
+
+def _draw_world(canvas: Canvas, axes: Axes, world: World) -> None:
+    scale = axes.x.pixel(1.0) - axes.x.pixel(0.0)
+    for road in world.roads:
+        places, width = axes.places(road.points), max(1.0, road.width * scale)
+        canvas.line(places, _ROAD, width)
+        for place in places:  # the short parts of a bend leave slits between them
+            canvas.disc(place, width / 2, _ROAD)
+    # Low things first, so that a roof covers what stands under it.
+    for thing in sorted(world.things, key=lambda thing: thing.at.z):
+        if thing.motion is not None:
+            way = [(point.x, point.y) for point in thing.motion.points]
+            canvas.dashes(axes.places(way), _THING_EDGE)
+        for outline in outlines_of(thing):
+            canvas.area(axes.places(outline), _THING, _THING_EDGE)
+    for name, point in world.places.items():
+        at = axes.place(point.x, point.y)
+        if _MAP.holds(at):
+            canvas.disc(at, 2.5, FRAME)
+            canvas.text((at[0] + 6, at[1] + 8), name, 11, LABEL)
+
+
+def _mark_start(canvas: Canvas, place: XY) -> None:
+    x, y = place
+    canvas.area([(x, y - 7), (x - 6.5, y + 5), (x + 6.5, y + 5)], _DARK)
+
+
+def _mark_collision(canvas: Canvas, place: XY) -> None:
+    x, y = place
+    for turn in (1, -1):
+        canvas.line([(x - 5, y - 5 * turn), (x + 5, y + 5 * turn)], _RED, 2.5)
+
+
+def _from_above(sample: Sample) -> XY:
+    return sample.position.x, sample.position.y
+
+
+# -- figures over time -----------------------------------------------------------------------------
+
+
+def _draw_figures(canvas: Canvas, flights: Sequence[Flight], colors: dict[str, Color]) -> None:
+    samples = [sample for flight in flights for sample in flight.samples]
+    span = _span(samples)
+    heights = [sample.position.z for sample in samples]
+    margin = 0.08 * max(1.0, max(heights) - min(heights))
+    low = 0.0 if min(heights) > -margin else min(heights) - margin
+    panels = (
+        (_ALTITUDE, "altitude, m", (low, max(heights) + margin), _altitude, 34),
+        (_SPEED, "speed, m/s", (0.0, 1.1 * max(1.0, *map(_speed, samples))), _speed, 34),
+        (_BATTERY, "battery, %", (0.0, 104.0), _battery, 24),
+    )
+    for box, title, range_, value, spacing in panels:
+        axes = axes_over(box, span, range_)
+        axes.grid(canvas, y_spacing=spacing)
+        for flight in flights:
+            for color, part in _colored(flight, colors):
+                line = [(sample.time, value(sample)) for sample in part]
+                canvas.line(_thinned(axes.places(line)), color, 1.8)
+            for sample, _ in flight.collisions:
+                x = axes.x.pixel(sample.time)
+                canvas.line([(x, box.top), (x, box.bottom)], _RED, 1.2)
+        axes.frame(canvas, title)
+        axes.label_y(canvas, spacing)
+
+
+def _draw_lanes(canvas: Canvas, flights: Sequence[Flight], colors: dict[str, Color]) -> None:
+    """The states over time, named where a bar has room for its name."""
+    lanes = [(flight, lane) for flight in flights for lane in flight.lanes]
+    box = Box(_LEFT, _LANES, _RIGHT, _LANES + _LANE * len(lanes))
+    span = _span([sample for flight in flights for sample in flight.samples])
+    axes = axes_over(box, span, (0.0, 1.0))
+    for number, (flight, lane) in enumerate(lanes):
+        top = box.top + _LANE * number
+        if len(flights) > 1:
+            canvas.text((box.left - 5, top + _LANE / 2), flight.vehicle, 11, LABEL, "rm")
+        for bar in lane:
+            ends = axes.x.pixel(bar.begin), axes.x.pixel(bar.end)
+            color = colors[bar.state if len(flights) == 1 else flight.vehicle]
+            canvas.rectangle(Box(ends[0], top, ends[1], top + _LANE), _light(color), _WHITE)
+            name = _fitting(bar.state, ends[1] - ends[0] - 6)
+            canvas.text((ends[0] + 4, top + _LANE / 2), name, 11)
+    axes.frame(canvas, "states; time, s")
+    axes.label_x(canvas)
+
+
+def _fitting(state: str, width: float) -> str:
+    """A state's path, or the end of it, as far as there is room; else nothing."""
+    names = state.split(".")
+    shown = (".".join(names[first:]) for first in range(len(names)))
+    return next((name for name in shown if text_width(name, 11) <= width), "")
+
+
+def _light(color: Color) -> Color:
+    red, green, blue = (255 - (255 - part) * 2 // 5 for part in color)
+    return red, green, blue
+
+
+def _altitude(sample: Sample) -> float:
+    return sample.position.z
+
+
+def _speed(sample: Sample) -> float:
+    return sample.velocity.norm()
+
+
+def _battery(sample: Sample) -> float:
+    return 100 * sample.battery
+
+
+def _span(samples: Sequence[Sample]) -> tuple[float, float]:
+    first = min(sample.time for sample in samples)
+    return first, max(first + 0.1, *(sample.time + PERIOD for sample in samples))
+
+
+def _colored(flight: Flight, colors: dict[str, Color]) -> Iterator[tuple[Color, Sequence[Sample]]]:
+    """The parts of a flight in one colour; each begins where the last one ends."""
+    if flight.vehicle in colors:
+        yield colors[flight.vehicle], flight.samples
+        return
+    last: list[Sample] = []
+    bars = iter(flight.lanes[0])
+    bar = next(bars)
+
+    def state(sample: Sample) -> str:
+        nonlocal bar
+        while sample.time >= bar.end and (following := next(bars, None)) is not None:
+            bar = following
+        return bar.state
+
+    for name, group in groupby(flight.samples, state):
+        part = list(group)
+        yield colors[name], [*last, *part]
+        last = part[-1:]
+
+
+def _thinned(places: Sequence[XY]) -> Sequence[XY]:
+    """The places of a line without those that change nothing to be seen."""
+    if len(places) <= _MOST_POINTS:
+        return places
+    kept = [places[0]]
+    for place in places:
+        if hypot(place[0] - kept[-1][0], place[1] - kept[-1][1]) >= 0.5:
+            kept.append(place)
+    return [*kept, places[-1]]
