@@ -11,6 +11,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.leg import Arrival, Blocked, Leg
 from behaviors.params import BehaviorParams, Heading, Route, Waypoint, param, value
+from behaviors.plan import Legs, PlannedLeg, PlanStart, leg_to
 from fsm.host import Outcome
 from vencejo.geometry import Point
 
@@ -63,6 +64,18 @@ class FlyRoute(Behavior):
     publishes = Passage
     requires = ("position", "velocity")
     needs_flight = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        legs: list[PlannedLeg] = []
+        here = start.position
+        for point in params.points:
+            heading = params.heading if point.heading is None else point.heading
+            dwell = params.dwell if point.dwell is None else point.dwell
+            speed = params.speed if point.speed is None else point.speed
+            legs.append(leg_to(start, here, point.at, speed, heading, dwell))
+            here = point.at
+        return legs
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         progress = progress or {}

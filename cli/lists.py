@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from runner import missions as known
 from vencejo.errors import UserError, Where, nearest
 from vencejo.units import UNITS, format_quantity
 from worlds import World, find_world, world_families, world_names
+from worlds.world import Fence
 
 
 def plain(docstring: str) -> str:
@@ -319,10 +321,17 @@ def _world_facts(world: World) -> dict[str, Any]:
         "file": str(world.source),
         "origin": asdict(world.origin) if world.origin else None,
         "battery": world.battery,
+        "fence": _fence_facts(world.fence) if world.fence else None,
         "start": list(world.starts[0].at),
         "things": _contents(world),
         "places": {place: list(point) for place, point in world.places.items()},
     }
+
+
+def _fence_facts(fence: Fence) -> dict[str, Any]:
+    heights = {"floor": fence.floor, "ceiling": fence.ceiling}
+    known = {key: height for key, height in heights.items() if isfinite(height)}
+    return {"through": [list(corner) for corner in fence.corners], **known}
 
 
 def _describe_world(world: World) -> None:
@@ -332,6 +341,11 @@ def _describe_world(world: World) -> None:
         origin = world.origin
         click.echo(f"  origin   {origin.lat:.5f}, {origin.lon:.5f}, {origin.alt:g} m")
     click.echo(f"  start    {start.x:g}, {start.y:g}; battery {world.battery:.0%}")
+    if world.fence:
+        fence = _fence_facts(world.fence)
+        corners = ", ".join(f"[{x:g}, {y:g}]" for x, y in fence["through"])
+        heights = (f"; {key} {fence[key]:g} m" for key in ("floor", "ceiling") if key in fence)
+        click.echo(f"  fence    {corners}{''.join(heights)}")
     contents = _contents(world)
     if contents:
         click.echo("  contents:")

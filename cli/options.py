@@ -12,11 +12,12 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from hal import FlightModel
 from hal.limits import DIMENSIONS, Limits
 from hal.renderers import renderer_names
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, YamlNode
-from vencejo.units import TIME, read_quantity
+from vencejo.units import LENGTH, TIME, read_quantity
 
 
 class Word(click.ParamType):  # type: ignore[type-arg]
@@ -123,6 +124,23 @@ def paths(
     except (OSError, RuntimeError):
         return []  # a folder that cannot be read, or a ~ of nobody
     return found
+
+
+class Length(click.ParamType):  # type: ignore[type-arg]
+    """A length of 0 or more, in metres."""
+
+    name = "length"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            length = read_quantity(str(value), LENGTH)
+        except UserError as error:
+            self.fail(f"{error.faults[0].message}; for instance 50cm")
+        if not 0 <= length < inf:
+            self.fail(f"'{value}' is no distance; for instance 50cm")
+        return length
 
 
 class _Name(click.ParamType):  # type: ignore[type-arg]
@@ -236,6 +254,20 @@ class LimitSettings:
 
     profile: str | None
     limits: Limits
+
+    def on(self, model: FlightModel | None) -> Limits:
+        """The limits completed by those of the profile, where the vehicles' are known.
+
+        Raises UserError (``bad-limit``) for limits that cannot be, or a profile they do not have.
+        """
+        wanted = Limits(**self.limits.given())
+        if self.profile is None or model is None:
+            return wanted
+        if self.profile not in model.profiles:
+            hint = nearest(self.profile, model.profiles, "this vehicle has none")
+            message = f"there is no profile '{self.profile}'"
+            raise UserError("bad-limit", message, Where("--limit"), hint)
+        return wanted.over(model.profiles[self.profile])
 
 
 def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> LimitSettings:

@@ -32,10 +32,11 @@ from cli.signals import Interrupts
 from cli.user_code import user_code
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from hal import backend_names
+from hal import backend_names, flight_model
 from runner import missions
 from runner.appended_file import as_json as as_json_value
 from runner.camera_file import joined, read_camera_file
+from runner.geometry import Terms, check_geometry
 from runner.loop import Plan, Watcher, fly
 from runner.pace import Pace
 from runner.preparation import prepare
@@ -164,9 +165,12 @@ def run(
     """
     with user_code(call_limit) as limit:
         prepared = prepare(missions.find(mission), world, calls=limit.calls)
-    doubtful: list[Fault] = []
-    values = parse_parameters(prepared.graph, parameters, doubtful)
-    for fault in (*prepared.graph.warnings, *doubtful):
+        doubtful: list[Fault] = []
+        values = parse_parameters(prepared.graph, parameters, doubtful)
+        model = flight_model(backend)
+        terms = Terms(model, limit_settings.on(model))
+        findings = check_geometry(prepared.graph, prepared.world, terms, values, limit.calls)
+    for fault in (*prepared.graph.warnings, *doubtful, *findings.faults):
         click.echo(str(fault), err=True)
     settings: dict[str, object] = {}
     if backend == "sim":

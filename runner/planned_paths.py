@@ -1,0 +1,594 @@
+"""The ways that a mission may fly, followed over its graph before the flight.
+
+From the mission's begin on, whatever may come is followed: each outcome of a behaviour, each event,
+condition and timer that a transition waits for, with the values of parameters and data as far as
+they are known then. A guard that depends on the flight both passes and does not. Where the vehicle
+is follows from the plans of the behaviours: at the end of a plan that is done, anywhere along one
+that is interrupted. Ways are followed in the order of the battery that they take at the least, so
+that the first way to a leg is the one that takes least.
+
+The work is bounded (MAX_WORK); a mission with more ways has some that are not looked at, which is
+told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
+from itertools import count
+from math import inf, isfinite
+from typing import Any
+
+from behaviors import UNKNOWN, PlannedLeg
+from behaviors.plan import Unknown
+from fsm import Graph
+from fsm.chart.entry_sets import default_entry, entry_set, transition_domain
+from fsm.chart.executable import Action, Origin
+from fsm.chart.graph import Edge, Node
+from fsm.chart.selection import chain
+from fsm.expressions.compiled import Compiled
+from fsm.expressions.scope import CONFIGURATION_SLOT, PERIOD_SLOT
+from fsm.host import PERIOD, BehaviorInfo
+from fsm.values.functions import FAILURES
+from fsm.values.types import POINT
+from runner.planned_motion import Motion, Place, Planner, Setting
+from vencejo.errors import Fault
+from vencejo.geometry import Point
+from vencejo.nodes import Mapping as MapNode
+
+MAX_WORK = 15_000
+"""Transitions taken and plans asked for, as a bound on the time: about a second."""
+MAX_VALUES = 60
+"""Visits of the same states with other data; after that data count as unknown."""
+
+
+@dataclass(frozen=True, slots=True)
+class PossibleLeg:
+    """A leg that the mission may fly. Mission frame, metres."""
+
+    node: Node
+    """The state that flies it."""
+    begin: Point | None
+    """None where it is not known."""
+    leg: PlannedLeg
+    way: str
+    """The states passed through up to this one: ``takeoff → go``."""
+    charge: float
+    """Share of a full battery that was taken before it, at the least."""
+    sure: bool
+    """Whether it begins at one place, not anywhere along a leg that was interrupted."""
+
+    @property
+    def behavior(self) -> BehaviorInfo:
+        assert self.node.invocation is not None
+        return self.node.invocation.behavior
+
+
+@dataclass(slots=True)
+class PossiblePaths:
+    """All legs that a mission may fly, as far as they are known."""
+
+    legs: list[PossibleLeg] = field(default_factory=list)
+    """In the order of the battery that the ways to them take."""
+    unknown: dict[Node, None] = field(default_factory=dict)
+    """States that fly where, or from where, is only known in flight."""
+    faults: list[Fault] = field(default_factory=list)
+    """Plans that could not be asked for."""
+    complete: bool = True
+    """False where there are more ways than were followed."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """The way to a moment."""
+
+    before: _Step | None
+    names: tuple[str, ...]
+
+    def shown(self, most: int = 8) -> str:
+        names: list[str] = []
+        step: _Step | None = self
+        while step is not None and len(names) <= most:
+            names[:0] = step.names
+            step = step.before
+        short = names[-most:]
+        return " → ".join(["…", *short] if step is not None or len(names) > most else short)
+
+
+@dataclass(slots=True)
+class _Moment:
+    """A moment of the mission: active states, values, and where the vehicle is."""
+
+    active: tuple[Node, ...]
+    """In document order."""
+    values: list[Any]
+    place: Place
+    way: _Step
+    charge: float = 0.0
+    motion: Motion | None = None
+    ended: frozenset[Node] = frozenset()
+    """The states whose behaviours have ended."""
+    pending: tuple[tuple[Node | None, str], ...] = ()
+    """Outcomes (with their state) and raised events that are heard next."""
+    memories: Mapping[Node, tuple[Node, ...]] = field(default_factory=dict)
+    """What each history state remembers."""
+    resumed: frozenset[Node] = frozenset()
+    """The states entered by way of a history state, whose behaviours go on with what they did."""
+    over: bool = False
+    """Whether the mission has ended."""
+
+
+class _Actions:
+    """Runs actions on the values of a moment (see :class:`fsm.chart.executable.Runtime`)."""
+
+    def __init__(self, values: list[Any]) -> None:
+        self.slots = values
+        self.records: list[Any] = []
+        self.host = self
+        self.raised: list[tuple[Node | None, str]] = []
+
+    def run(self, actions: Iterable[Action], node: Node) -> None:
+        """Run a block of actions of a state; a variable whose value is unknown becomes so."""
+        for action in actions:
+            try:
+                action.run(self, UNKNOWN)  # type: ignore[arg-type]
+            except FAILURES:
+                self._forget(action, node)
+                if action.kind == "raise" and action.message:
+                    self.raised.append((None, action.message.event))
+
+    def _forget(self, action: Action, node: Node) -> None:
+        if action.kind in ("set", "append") and isinstance(action.node, MapNode):
+            names = {key.text for key, _ in action.node}
+            for around in node.outwards():
+                for data in around.data:
+                    if data.name in names:
+                        self.slots[data.slot] = UNKNOWN
+
+    def record(self, what: str, **fields: Any) -> None: ...
+
+    def raise_event(self, name: str, fields: Any, origin: Origin | None = None) -> None:
+        self.raised.append((None, name))
+
+    def send(self, *_: Any, **__: Any) -> None:
+        """What is sent may arrive at any time: it is followed as an event."""
+
+    def cancel(self, id_: str) -> None: ...
+
+    def call(self, name: str, arguments: Any) -> None: ...
+
+
+def possible_paths(graph: Graph, parameters: Mapping[str, Any], setting: Setting) -> PossiblePaths:
+    """Follow the ways of a mission; ``parameters`` are those that differ from their defaults."""
+    return _Walk(graph, parameters, setting).found
+
+
+class _Walk:
+    """Follows the ways, those first that take the least of the battery."""
+
+    def __init__(self, graph: Graph, parameters: Mapping[str, Any], setting: Setting) -> None:
+        self.graph = graph
+        self.setting = setting
+        self.found = PossiblePaths()
+        self.planner = Planner(setting)
+        self.taken = 0
+        """The number of transitions taken."""
+        self.legs: set[tuple[Node, Point | None, Point, bool]] = set()
+        self.slots = sorted(
+            {data.slot for node in graph.nodes for data in node.data}
+            | {given.slot for node in graph.nodes for given in node.given}
+        )
+        """Those of values that may change."""
+        self.own_events = {
+            event
+            for node in graph.nodes
+            if node.invocation
+            for event in node.invocation.behavior.events
+        }
+        declared = {
+            named.name.text
+            for spec in (graph.source.closure() if graph.source else ())
+            for named in spec.events
+        }
+        sent = {message.event for message in graph.messages if message.id_ is not None}
+        raised = {message.event for message in graph.messages if message.id_ is None}
+        self.only_raised = raised - sent - declared - set(graph.vocabulary.events)
+        """Events that come from nowhere but the mission's own `raise`."""
+        self.visits: dict[tuple[Node, ...], int] = {}
+        seen: set[Any] = set()
+        order, queue = count(), list[tuple[float, int, _Moment]]()
+        heappush(queue, (0.0, next(order), self.begin(parameters)))
+        while queue and self.work < MAX_WORK:
+            moment = heappop(queue)[2]
+            key = self.key(moment)
+            if key in seen:
+                continue
+            seen.add(key)
+            for following in self.following(moment):
+                heappush(queue, (following.charge, next(order), following))
+                if self.work >= MAX_WORK:
+                    break
+        self.found.complete = not queue
+        self.found.faults = self.planner.faults
+
+    @property
+    def work(self) -> int:
+        return self.taken + self.planner.asked
+
+    def key(self, moment: _Moment) -> tuple[Any, ...]:
+        """What tells a moment from others; the states' data become unknown after many visits."""
+        visits = self.visits[moment.active] = self.visits.get(moment.active, 0) + 1
+        if visits > MAX_VALUES:
+            for slot in self.slots:
+                moment.values[slot] = UNKNOWN
+        values = repr([moment.values[slot] for slot in self.slots])
+        memories = tuple(moment.memories.items())
+        state = moment.active, moment.ended, moment.pending, memories, moment.resumed
+        return *state, moment.place, moment.motion, values
+
+    def begin(self, parameters: Mapping[str, Any]) -> _Moment:
+        graph, frame = self.graph, self.setting.frame
+        values: list[Any] = [UNKNOWN] * graph.slots
+        values[PERIOD_SLOT] = PERIOD
+        for name, slot in graph.parameter_slots.items():
+            parameter = graph.parameters[name]
+            value = parameters.get(name, UNKNOWN if parameter.required else parameter.default)
+            named = parameter.type == POINT and isinstance(value, str) and value in frame.places
+            values[slot] = frame.from_world(frame.places[value]) if named else value
+        place = Place((Point(0.0, 0.0, 0.0),), self.setting.yaw, False)
+        moment = _Moment((), values, place, _Step(None, ()))
+        root = graph.root
+        entered = entry_set(root, default_entry(root), moment.memories.get).states
+        return self.enter(moment, [root, *entered])
+
+    # -- what may come next ---------------------------------------------------------------------
+
+    def following(self, moment: _Moment) -> Iterator[_Moment]:
+        """The moments that may follow one."""
+        if moment.over:
+            return
+        for leaf in _leaves(moment):
+            for edge, sure in self.choices(moment, (n.always for n in self.chain(leaf))):
+                yield self.take(moment, edge, moment.place)
+                if sure:
+                    return
+        if moment.pending:
+            yield from self.hear(moment)
+            return
+        moment = self.start_motion(moment)
+        yield from self.outcomes(moment)
+        yield from self.events(moment)
+        yield from self.waits(moment)
+
+    def hear(self, moment: _Moment) -> Iterator[_Moment]:
+        """The moments after the first of the pending outcomes and events has been heard."""
+        (owner, name), rest = moment.pending[0], moment.pending[1:]
+        moment = replace(moment, pending=rest)
+        if owner is not None:
+            if owner not in moment.active:
+                yield moment
+                return
+            yield from self.offered(moment, self.heard_by(owner, name), name, moment.place)
+            return
+        for leaf in _leaves(moment):
+            yield from self.offered(moment, self.chain(leaf), name, moment.place)
+
+    def offered(
+        self, moment: _Moment, nodes: Sequence[Node], name: str, place: Place
+    ) -> Iterator[_Moment]:
+        """The moments after an outcome or event was offered to states; also if none takes it."""
+        groups = (node.edges_for(name, self.graph.vocabulary) for node in nodes)
+        for edge, sure in self.choices(moment, groups):
+            yield self.take(moment, edge, place)
+            if sure:
+                return
+        yield moment
+
+    def outcomes(self, moment: _Moment) -> Iterator[_Moment]:
+        """The moments after a behaviour has ended."""
+        for node in moment.active:
+            if node.invocation is None or node in moment.ended:
+                continue
+            behavior = node.invocation.behavior
+            moves = moment.motion is not None and moment.motion.node is node
+            for word in (*behavior.outcomes, "failed"):
+                ended, place, charge = moment, moment.place, moment.charge
+                if moves:
+                    reached = self.reached(moment, word)
+                    if reached is None:
+                        continue
+                    place, charge = reached
+                    ended = replace(moment, motion=None, place=place, charge=charge)
+                ended = replace(ended, ended=moment.ended | {node})
+                heard = self.heard_by(node, word)
+                groups = (each.edges_for(word, self.graph.vocabulary) for each in heard)
+                unheard = True
+                for edge, sure in self.choices(moment, groups):
+                    yield self.take(ended, edge, place)
+                    unheard = not sure
+                    if sure:
+                        break
+                if unheard and word != "failed":  # then the host lands
+                    done = word == "done"
+                    yield replace(ended, pending=self.finished(ended, node)) if done else ended
+
+    def events(self, moment: _Moment) -> Iterator[_Moment]:
+        """The moments after an event that a transition waits for."""
+        place = self.anywhere(moment)
+        taken: set[Edge] = set()
+        possible = {
+            event
+            for node in moment.active
+            if node.invocation
+            for event in node.invocation.behavior.events
+        }
+        for leaf in _leaves(moment):
+            around = self.chain(leaf)
+            for name in dict.fromkeys(name for node in around for name, _ in node.on):
+                event = "any.event" if name == "*" else name
+                impossible = event in self.only_raised or event in self.own_events - possible
+                if "." not in event or impossible:
+                    continue
+                groups = (node.edges_for(event, self.graph.vocabulary) for node in around)
+                for edge, sure in self.choices(moment, groups):
+                    if edge not in taken:
+                        taken.add(edge)
+                        yield self.take(moment, edge, place)
+                    if sure:
+                        break
+
+    def waits(self, moment: _Moment) -> Iterator[_Moment]:
+        """The moments after a condition has come true, or a timer is due."""
+        place = self.anywhere(moment)
+        for node in moment.active:
+            for when in node.whens:
+                if self.value(moment, when.condition) is not False:
+                    for edge, sure in self.choices(moment, [when.edges]):
+                        yield self.take(moment, edge, place)
+                        if sure:
+                            break
+            for after in node.afters:
+                seconds = self.value(moment, after.duration)
+                late = replace(moment, charge=moment.charge + self.hovering(moment, node, seconds))
+                for edge, sure in self.choices(moment, [after.edges]):
+                    yield self.take(late, edge, place)
+                    if sure:
+                        break
+
+    def choices(
+        self, moment: _Moment, groups: Iterable[Iterable[Edge]]
+    ) -> Iterator[tuple[Edge, bool]]:
+        """The transitions that may be taken, in order, each with whether it is sure to be."""
+        for edges in groups:
+            for edge in edges:
+                passes = True if edge.guard is None else self.value(moment, edge.guard)
+                if passes is not False:
+                    sure = passes is True and edge.hold is None
+                    yield edge, sure
+                    if sure:
+                        return
+
+    def chain(self, leaf: Node) -> Sequence[Node]:
+        return chain(leaf, self.graph.outer_first)
+
+    def heard_by(self, owner: Node, word: str) -> Sequence[Node]:
+        """The states that an outcome is offered to."""
+        if word == "done":
+            return (owner,)
+        around = self.chain(owner)
+        if word == "failed":
+            return around
+        within = tuple(owner.outwards())
+        return [node for node in around if node in within]
+
+    def value(self, moment: _Moment, compiled: Compiled) -> Any:
+        """The value of an expression; None where it is not known."""
+        try:
+            moment.values[CONFIGURATION_SLOT] = sum(node.mask for node in moment.active)
+            value = compiled.function(moment.values, UNKNOWN)
+        except FAILURES:
+            return None
+        return None if isinstance(value, Unknown) else value
+
+    # -- a transition ---------------------------------------------------------------------------
+
+    def take(self, moment: _Moment, edge: Edge, place: Place) -> _Moment:
+        """The moment after a transition, taken while the vehicle is at a place."""
+        self.taken += 1 + len(moment.active) // 20
+        domain = transition_domain(edge, moment.memories.get)
+        values = list(moment.values)
+        actions = _Actions(values)
+        left = [n for n in moment.active if domain is not None and domain.contains(n)]
+        for node in reversed(left):
+            actions.run(node.exit_actions, node)
+        actions.run(edge.actions, edge.node)
+        motion = moment.motion
+        stopped = motion is not None and motion.node in left
+        after = replace(
+            moment,
+            active=tuple(node for node in moment.active if node not in left),
+            values=values,
+            place=place if stopped or motion is None else moment.place,
+            motion=None if stopped else motion,
+            ended=moment.ended - set(left),
+            resumed=moment.resumed - set(left),
+            pending=(*moment.pending, *actions.raised),
+            memories={**moment.memories, **_remembered(left, moment.active)}
+            if left
+            else moment.memories,
+        )
+        if domain is None:
+            return after
+        found = entry_set(domain, edge.targets, moment.memories.get)
+        after = self.enter(after, found.states)
+        if found.histories:
+            kept = (node for h in found.histories for node in found.states if node in _inside(h))
+            after.resumed = after.resumed | frozenset(kept)
+            for node in after.resumed:
+                for data in node.data:
+                    after.values[data.slot] = UNKNOWN  # it comes back as it was then
+        return after
+
+    def enter(self, moment: _Moment, entered: Sequence[Node]) -> _Moment:
+        """The moment after states have been entered."""
+        active = sorted({*moment.active, *entered}, key=lambda node: node.index)
+        actions = _Actions(moment.values)
+        names = tuple(node.path for node in entered if not node.children)
+        after = replace(moment, active=tuple(active), way=_Step(moment.way, names))
+        for node in entered:
+            self.fill(after, node)
+            actions.run(node.entry, node)
+            after.pending = (*after.pending, *actions.raised)
+            actions.raised.clear()
+            if node.type == "final":
+                self.finish(after, node)
+        return after
+
+    def fill(self, moment: _Moment, node: Node) -> None:
+        for given in node.given:
+            source = given.with_ if given.live is None else given.live
+            value = given.default if source is None else self.value(moment, source)
+            moment.values[given.slot] = UNKNOWN if source and value is None else value
+        for data in node.data:
+            value = self.value(moment, data.initial)
+            known = value is not None or data.initial.constant
+            moment.values[data.slot] = value if known else UNKNOWN
+
+    def finish(self, moment: _Moment, final: Node) -> None:
+        """Note what an entered final state ends."""
+        assert final.parent is not None
+        owner = final.parent.owner
+        if owner.parent is None:
+            moment.over = True
+            return
+        done = self.finished(moment, owner) if final.outcome == "done" else ()
+        moment.pending = (*moment.pending, (owner, final.outcome), *done)
+
+    def finished(self, moment: _Moment, region: Node) -> tuple[tuple[Node | None, str], ...]:
+        """The pending outcomes, and `done` of a parallel state whose last region has finished."""
+        parallel = region.parent
+        if parallel is None or parallel.type != "parallel":
+            return ()
+        if not all(_is_finished(each, moment) for each in default_entry(parallel)):
+            return ()
+        return ((parallel.owner, "done"),)
+
+    # -- motion ---------------------------------------------------------------------------------
+
+    def start_motion(self, moment: _Moment) -> _Moment:
+        """The moment after a behaviour that moves the vehicle has begun, if one does."""
+        for node in moment.active:
+            if node.invocation is None or node in moment.ended:
+                continue
+            behavior = node.invocation.behavior
+            begun = moment.motion is not None and moment.motion.node is node
+            if begun or not (behavior.on_trust or "motion" in behavior.controls):
+                continue
+            motion = self.planner.motion(node, moment.place, lambda c: self.value(moment, c))
+            if node in moment.resumed and any(len(c.legs) > 1 for c in motion.courses):
+                motion = replace(motion, courses=())  # it goes on in the midst of them
+            if not motion.courses and not motion.grounded:
+                self.found.unknown[node] = None
+            following = replace(moment, motion=motion)
+            self.note(following, motion)
+            return following
+        return moment
+
+    def note(self, moment: _Moment, motion: Motion) -> None:
+        """Keep the legs of a motion that has begun, as far as they are flown."""
+        horizon, way = self.horizon(moment), moment.way.shown()
+        for course in motion.courses:
+            charge, sure = moment.charge, len(motion.courses) == 1
+            for begin, leg in course.flown(horizon):
+                if begin is None:
+                    self.found.unknown[motion.node] = None
+                key = motion.node, begin, leg.to, sure
+                if key not in self.legs:
+                    self.legs.add(key)
+                    found = PossibleLeg(motion.node, begin, leg, way, charge, sure)
+                    self.found.legs.append(found)
+                charge += self.planner.charge([(begin, leg)])
+
+    def hovering(self, moment: _Moment, node: Node, seconds: Any) -> float:
+        """The share of a full battery taken until a state's timer is due, at the least."""
+        timed = isinstance(seconds, (int, float)) and isfinite(seconds) and seconds > 0
+        begun = moment.motion is None or moment.motion.node is node
+        model = self.setting.model
+        if not timed or model is None or node.children or not begun or not moment.place.flying:
+            return 0.0
+        here = Point(0.0, 0.0, 0.0)
+        return model.leg_charge(here, here, None, seconds)
+
+    def horizon(self, moment: _Moment) -> float:
+        """Seconds after which a timer is sure to have interrupted the motion that has begun."""
+        motion, found = moment.motion, inf
+        if motion is None:
+            return found
+        for node in moment.active:
+            for after in node.afters:
+                seconds = self.value(moment, after.duration)
+                if isinstance(seconds, (int, float)) and any(
+                    edge.guard is None and edge.domain and edge.domain.contains(motion.node)
+                    for edge in after.edges
+                ):
+                    found = min(found, seconds)
+        return found
+
+    def anywhere(self, moment: _Moment) -> Place:
+        """Where the vehicle may be when what it does is interrupted."""
+        motion = moment.motion
+        return moment.place if motion is None else motion.anywhere(self.horizon(moment))
+
+    def reached(self, moment: _Moment, word: str) -> tuple[Place, float] | None:
+        """Where the vehicle is when its motion has ended, and the charge taken by then; None if it
+        cannot have ended so.
+        """
+        motion = moment.motion
+        assert motion is not None
+        if word != "done":
+            return self.anywhere(moment), moment.charge
+        ended = motion.done(self.horizon(moment))
+        if ended is None:
+            return None
+        place, courses = ended
+        charges = [self.planner.charge(course.flown(inf)) for course in courses]
+        return place, moment.charge + min(charges, default=0.0)
+
+
+def _leaves(moment: _Moment) -> list[Node]:
+    return [node for node in moment.active if not node.children]
+
+
+def _is_finished(region: Node, moment: _Moment) -> bool:
+    """Whether a final child of a region is active, or its behaviour has ended."""
+    if region.type == "parallel":
+        return all(_is_finished(inner, moment) for inner in default_entry(region))
+    if region.children and region.children[0].border:
+        return _is_finished(region.children[0], moment)
+    if region.children:
+        return any(child.type == "final" and child in moment.active for child in region.children)
+    return region in moment.ended
+
+
+def _remembered(left: Iterable[Node], active: Sequence[Node]) -> dict[Node, tuple[Node, ...]]:
+    """What the history states of states that are left remember."""
+    found = {}
+    for node in left:
+        for history in node.children:
+            if history.type == "history":
+                inside = [n for n in active if node.contains(n)]
+                kept = [n for n in inside if (not n.children if history.deep else n.parent is node)]
+                found[history] = tuple(kept)
+    return found
+
+
+def _inside(history: Node) -> set[Node]:
+    """The states that a history state may restore."""
+    assert history.parent is not None
+    pending, found = list(history.parent.children), set[Node]()
+    while pending:
+        node = pending.pop()
+        found.add(node)
+        pending.extend(node.children)
+    return found
