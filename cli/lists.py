@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import shutil
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,8 @@ from fsm import BehaviorInfo, Parameter
 from fsm.host import Function
 from hal.renderers import show_window
 from runner import missions as known
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import UserError, Where, cannot_write, nearest
+from vencejo.files import write_whole
 from vencejo.units import UNITS, format_quantity
 from worlds import World, find_world, world_families, world_names
 
@@ -111,8 +112,16 @@ def _copy(path: Path) -> None:
     target = known.own_folder() / path.name
     if target.exists():
         raise UserError("exists", f"'{target}' exists already", Where(str(target)))
-    target.parent.mkdir(exist_ok=True)
-    shutil.copyfile(path, target)
+    begun = not target.parent.exists()
+    try:
+        target.parent.mkdir(exist_ok=True)
+        write_whole(target, path.read_bytes())
+    except OSError as error:
+        if begun:
+            with suppress(OSError):
+                target.parent.rmdir()
+        message = "the copy cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(target))) from None
     click.echo(f"copied to {target}; `drone-cli run {path.stem}` now flies your copy")
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import pi, radians, tan
 from pathlib import Path
 
+from cli.output import write_file
 from hal.lights import STANDARD
 from hal.renderers import open_renderer
 from hal.scene.appearance import ARM, SIZE, quadrotor
 from hal.scene.lamps import lamp_things, lit_lamps
 from hal.vehicle import Intrinsics
-from vencejo.errors import UserError, Where, cannot_write
+from vencejo.errors import UserError, Where
 from vencejo.geometry import (
     OPTICAL,
     Point,
@@ -60,18 +61,15 @@ def render(
         image = opened.render(view(world, camera, at), LENS, 0.0, poses)
     finally:
         opened.close()
-    where, message = Where(str(file)), "this picture cannot be written"
     hint = "its name ends in .png or .jpg and its folder exists"
     try:
         done, data = cv2.imencode(file.suffix, image)
     except cv2.error:
         done = False
     if not done:
-        raise UserError("cannot-write", message, where, hint)
-    try:
-        file.write_bytes(data.data)
-    except OSError as error:
-        raise cannot_write(error, "cannot-write", message, where, hint) from None
+        message = "this picture cannot be written"
+        raise UserError("cannot-write", message, Where(str(file)), hint)
+    write_file(file, data.data, hint)
 
 
 def _vehicles(world: World) -> tuple[dict[str, Thing], dict[str, Pose]]:

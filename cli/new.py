@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, cannot_write
+from vencejo.files import whole_folder
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -26,11 +27,19 @@ def new(name: str) -> None:
     folder = Path(name)
     if folder.exists():
         raise UserError("exists", f"'{name}' exists already", Where(name), "choose another name")
-    folder.mkdir()
-    for template in sorted(TEMPLATES.glob("*.txt")):
-        target = folder / template.stem.replace("NAME", name)
-        target.write_text(template.read_text("utf-8").replace("NAME", name), "utf-8")
-        click.echo(f"wrote {target}")
+    files = {
+        template.stem.replace("NAME", name): template.read_text("utf-8").replace("NAME", name)
+        for template in sorted(TEMPLATES.glob("*.txt"))
+    }
+    try:
+        with whole_folder(folder) as made:
+            for file, text in files.items():
+                (made / file).write_text(text, "utf-8")
+    except OSError as error:
+        message = "this folder cannot be made"
+        raise cannot_write(error, "cannot-write", message, Where(name)) from None
+    for file in files:
+        click.echo(f"wrote {folder / file}")
     click.echo(
         f"\ntry:\n"
         f"  drone-cli check {folder}/{name}.yaml\n"

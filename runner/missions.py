@@ -67,5 +67,5 @@ def _exists(path: Path) -> bool:
 def _short(path: Path) -> str:
     try:
         return str(path.relative_to(Path.cwd()))
-    except ValueError:
-        return str(path)
+    except (ValueError, OSError):
+        return str(path)  # elsewhere, or the working directory is gone

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from vencejo.errors import UserError
+from vencejo.errors import UserError, reason_of
 from vencejo.nodes import Scalar
 
 
@@ -17,6 +21,10 @@ def file_inside(folder: Path, word: Scalar, what: str) -> Path:
     try:
         path, around = (folder / word.text).resolve(), folder.resolve()
         path.is_file()
+    except FileNotFoundError as error:
+        # Not the file, which need not be there: without a working directory no path is known.
+        message = f"'{word.text}' cannot be found: {reason_of(error)}"
+        raise UserError("no-such-file", message, word.where) from None
     except (OSError, ValueError, RuntimeError):
         # Too long a name, one with a zero byte, or links that lead in a circle.
         message = f"'{word.text[:60]}' cannot be the name of a file"
@@ -34,12 +42,36 @@ def file_inside(folder: Path, word: Scalar, what: str) -> Path:
 def write_whole(path: Path, data: bytes | memoryview) -> None:
     """Write a file that has its name only when it is whole: the program may be killed any time.
 
-    Raises OSError, and then leaves nothing behind.
+    What a link leads to is written, and a device or pipe as it is. Raises OSError, and then leaves
+    nothing behind; a file of that name is then as it was.
     """
+    path = Path(os.path.realpath(path)) if path.is_symlink() else path
+    if path.exists() and not path.is_file():
+        path.write_bytes(data)
+        return
     part = path.with_name(path.name + ".part")
     try:
         part.write_bytes(data)
+        if path.exists():
+            shutil.copymode(path, part)
         part.replace(path)
-    except OSError:
-        part.unlink(missing_ok=True)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """A folder to write into, that gets the name ``path`` when the block has ended well.
+
+    Otherwise nothing of it is left. Raises OSError, also where ``path`` is there already.
+    """
+    part = path.with_name(path.name + ".part")
+    part.mkdir()
+    try:
+        yield part
+        part.rename(path)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
         raise
