@@ -277,7 +277,9 @@ def _explain_ends(behavior: BehaviorInfo) -> None:
 @shadows_option
 @click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.pass_context
 def worlds(
+    ctx: click.Context,
     name: str | None,
     picture_file: Path | None,
     camera: str,
@@ -290,6 +292,11 @@ def worlds(
     """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
     if bool(picture_file) + gui + as_json > 1:
         raise UserError("bad-usage", "--render, --gui and --json exclude one another")
+    for option in ("camera", "at", "renderer", "shadows"):
+        given = ctx.get_parameter_source(option) == click.core.ParameterSource.COMMANDLINE
+        if given and not picture_file:
+            hint = "drone-cli worlds yard --camera top --render yard.png"
+            raise UserError("bad-usage", f"--{option} is for a picture: --render FILE", hint=hint)
     if name is None:
         if picture_file or gui:
             raise UserError(
@@ -299,8 +306,10 @@ def worlds(
         return
     world = find_world(name)
     if picture_file:
-        from cli.look import render
+        from cli.look import hidden_by, render
 
+        for fault in hidden_by(world, at) if at else ():
+            click.echo(str(fault), err=True)
         render(world, picture_file, camera, at, renderer, shadows)
         click.echo(picture_file)
     elif gui:

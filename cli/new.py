@@ -18,7 +18,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 def new(name: str) -> None:
     """Make the folder NAME with a mission, a behaviour of its own and a test of both.
 
-    All three work at once; change them bit by bit.
+    All three work at once: as an example they fly a spiral. Change them bit by bit.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise UserError(
@@ -41,7 +41,7 @@ def new(name: str) -> None:
     for file in files:
         click.echo(f"wrote {folder / file}")
     click.echo(
-        f"\ntry:\n"
+        f"\nan example, which flies a spiral; try:\n"
         f"  drone-cli check {folder}/{name}.yaml\n"
         f"  drone-cli run {folder}/{name}.yaml --speed 2\n"
         f"  python -m pytest {folder}          (pip install pytest)"

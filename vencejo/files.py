@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
+from difflib import get_close_matches
+from pathlib import Path, PurePath
 
-from vencejo.errors import UserError, reason_of
+from vencejo.errors import Correction, UserError, certain, nearest, reason_of
 from vencejo.nodes import Scalar
 
 
@@ -37,6 +38,25 @@ def file_inside(folder: Path, word: Scalar, what: str) -> Path:
             f"{what} lies beside that file or further inside",
         )
     return path
+
+
+def nearest_file(word: str, files: Iterable[str], otherwise: str | None = None) -> str | None:
+    """A hint as :func:`vencejo.errors.nearest` gives it, for files and what is named like one.
+
+    Folders and endings do not count: no two names are similar by them. Of files that differ in
+    nothing else the first is named.
+    """
+    stems = dict[str, str]()
+    for file in files:
+        stems.setdefault(PurePath(file).stem, file)
+    stem = PurePath(word).stem
+    meant = certain(stem, stems)
+    if meant is not None:
+        return Correction(word, stems[meant])
+    close = get_close_matches(stem, stems, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean '{stems[close[0]]}'?"
+    return otherwise if otherwise is not None else nearest("", stems.values())
 
 
 def write_whole(path: Path, data: bytes | memoryview) -> None:
