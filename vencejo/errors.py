@@ -8,9 +8,12 @@ a defect of the program.
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterable
+from bisect import bisect
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher, get_close_matches
+from functools import lru_cache
+from heapq import nlargest
 from pathlib import Path
 from typing import Literal, Self
 
@@ -144,6 +147,10 @@ _CERTAIN, _APART = 0.75, 0.05
 """Least similarity of a word to the one that was certainly meant, and what others have less."""
 
 
+_ALL_COMPARED = 100
+"""Number of known words up to which a wrong one is compared with them all."""
+
+
 def certain(word: str, known: Iterable[str]) -> str | None:
     """The known word that was certainly meant: similar, and more so than every other one."""
     alike = SequenceMatcher(b=word)
@@ -161,10 +168,11 @@ def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> st
     None when no word is known and there is no ``otherwise``; a Correction where it is certain.
     """
     options = sorted(set(known))
-    meant = certain(word, options)
+    alike = _of_like_letters(word, options)
+    meant = certain(word, alike) if len(options) <= _ALL_COMPARED else None
     if meant is not None:
         return Correction(word, meant)
-    close = get_close_matches(word, options, n=1, cutoff=0.6)
+    close = get_close_matches(word, alike, n=1, cutoff=0.6)
     if close:
         return f"did you mean '{close[0]}'?"
     if otherwise is not None:
@@ -173,3 +181,24 @@ def nearest(word: str, known: Iterable[str], otherwise: str | None = None) -> st
         return None
     listed = ", ".join(options[:12])
     return f"known: {listed}{', …' if len(options) > 12 else ''}"
+
+
+def _of_like_letters(word: str, options: Sequence[str]) -> list[str]:
+    """The few options whose letters are most like those of a word; of very many, only those around
+    it in the alphabet. A file may have thousands of wrong words, and comparing them in earnest with
+    all others would take minutes.
+    """
+    at, letters = bisect(options, word), _letters(word)
+    if len(options) > _ALL_COMPARED:
+        options = options[max(0, at - _ALL_COMPARED // 2) : at + _ALL_COMPARED // 2]
+
+    def likeness(option: str) -> float:
+        others = _letters(option)
+        return len(letters & others) / (1 + len(letters) + len(others))
+
+    return nlargest(5, options, likeness)
+
+
+@lru_cache(1000)
+def _letters(word: str) -> frozenset[str]:
+    return frozenset(word)

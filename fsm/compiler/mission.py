@@ -109,6 +109,8 @@ class _Compiler:
         self.own = names.of(tree.root)
         """The namespace of the graph whose states are being filled."""
         self.events = self.own.known_events
+        self.known_outcomes: dict[int, dict[str, Fields | None] | None] = {}
+        """What :meth:`outcomes` said of each state that was asked about."""
         self.messages: list[Message] = []
         """The events that the actions compiled so far raise, send and cancel."""
         self.flawed: set[StateDraft] = set()
@@ -222,7 +224,9 @@ class _Compiler:
 
     def outcome_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
         """The fields of an outcome, as :meth:`event_fields` gives them."""
-        outcomes, name = self.outcomes(state), key.text
+        if state.index not in self.known_outcomes:
+            self.known_outcomes[state.index] = self.outcomes(state)
+        outcomes, name = self.known_outcomes[state.index], key.text
         if outcomes is None:
             return None
         if name not in outcomes:

@@ -107,6 +107,7 @@ class Translator:
         """The kinds of the names that its value depends on; empty for a constant."""
         self.loops = False
         """True with comprehensions, whose steps are counted in ``b``."""
+        scope.size.add_expression(where.file)
         self.parsed = parse(text, where)
         self.defined = 0
         """The number of parts of the defines it uses."""
@@ -191,6 +192,7 @@ class Translator:
 
     def visit(self, node: ast.expr) -> tuple[str, Type]:
         """The code and the type of a part of the expression. Raises UserError."""
+        self.scope.size.parts += 1
         visitor = _VISITORS.get(type(node))
         if visitor is None:
             cures = (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind))
@@ -246,15 +248,7 @@ class Translator:
     def _unknown(self, node: ast.AST, name: str) -> NoReturn:
         known = {*self.scope.visible(), *self.locals, *self.arguments}
         hint = nearest(name, known)
-        host = next(
-            (
-                host
-                for host in known
-                if isinstance(self.scope.find(host), Binding)
-                and name in _fields(self.scope.find(host))
-            ),
-            None,
-        )
+        host = next(self.scope.with_field(name), None)
         if host:
             hint = Correction(name, f"{host}.{name}")
         elif name in fn.FUNCTIONS or name == "active":
@@ -682,9 +676,3 @@ _VISITORS: Mapping[type[ast.expr], Callable[[Translator, Any], tuple[str, Type]]
     ast.ListComp: Translator._comprehension,
 }
 """The parts of Python that the language has; all others are refused."""
-
-
-def _fields(found: Binding | Define | None) -> Mapping[str, Type]:
-    if isinstance(found, Binding) and isinstance(found.type, MapOf):
-        return found.type.fields or {}
-    return {}
