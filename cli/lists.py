@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import shutil
+from contextlib import suppress
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
@@ -29,7 +29,8 @@ from fsm import BehaviorInfo, Parameter
 from fsm.host import Function
 from hal.renderers import show_window
 from runner import missions as known
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import UserError, Where, cannot_write, nearest
+from vencejo.files import write_whole
 from vencejo.units import UNITS, format_quantity
 from worlds import World, find_world, world_families, world_names
 from worlds.world import Fence
@@ -113,8 +114,16 @@ def _copy(path: Path) -> None:
     target = known.own_folder() / path.name
     if target.exists():
         raise UserError("exists", f"'{target}' exists already", Where(str(target)))
-    target.parent.mkdir(exist_ok=True)
-    shutil.copyfile(path, target)
+    begun = not target.parent.exists()
+    try:
+        target.parent.mkdir(exist_ok=True)
+        write_whole(target, path.read_bytes())
+    except OSError as error:
+        if begun:
+            with suppress(OSError):
+                target.parent.rmdir()
+        message = "the copy cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(target))) from None
     click.echo(f"copied to {target}; `drone-cli run {path.stem}` now flies your copy")
 
 
@@ -270,7 +279,9 @@ def _explain_ends(behavior: BehaviorInfo) -> None:
 @shadows_option
 @click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.pass_context
 def worlds(
+    ctx: click.Context,
     name: str | None,
     picture_file: Path | None,
     camera: str,
@@ -283,6 +294,11 @@ def worlds(
     """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
     if bool(picture_file) + gui + as_json > 1:
         raise UserError("bad-usage", "--render, --gui and --json exclude one another")
+    for option in ("camera", "at", "renderer", "shadows"):
+        given = ctx.get_parameter_source(option) == click.core.ParameterSource.COMMANDLINE
+        if given and not picture_file:
+            hint = "drone-cli worlds yard --camera top --render yard.png"
+            raise UserError("bad-usage", f"--{option} is for a picture: --render FILE", hint=hint)
     if name is None:
         if picture_file or gui:
             raise UserError(
@@ -292,8 +308,10 @@ def worlds(
         return
     world = find_world(name)
     if picture_file:
-        from cli.look import render
+        from cli.look import hidden_by, render
 
+        for fault in hidden_by(world, at) if at else ():
+            click.echo(str(fault), err=True)
         render(world, picture_file, camera, at, renderer, shadows)
         click.echo(picture_file)
     elif gui:

@@ -20,7 +20,14 @@ from vencejo.nodes import Mapping, Scalar, YamlNode
 from vencejo.units import LENGTH, TIME, read_quantity
 
 
-class Word(click.ParamType):  # type: ignore[type-arg]
+class _AsWritten(click.ParamType):  # type: ignore[type-arg]
+    """A type whose name stands in the help as it is: what is typed small is small there too."""
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return self.name
+
+
+class Word(_AsWritten):
     """One of a few words; a mistyped one gets the nearest."""
 
     def __init__(self, words: list[str]) -> None:
@@ -50,10 +57,10 @@ shadows_option = click.option(
 )
 
 
-class Speed(click.ParamType):  # type: ignore[type-arg]
+class Speed(_AsWritten):
     """``max`` (None) or a factor above 0."""
 
-    name = "factor|max"
+    name = "FACTOR|max"
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -76,10 +83,10 @@ class Speed(click.ParamType):  # type: ignore[type-arg]
         ]
 
 
-class CallSeconds(click.ParamType):  # type: ignore[type-arg]
+class CallSeconds(_AsWritten):
     """A time above 0 in seconds; ``none`` and 0 are no limit (None)."""
 
-    name = "time|none"
+    name = "TIME|none"
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -275,6 +282,9 @@ def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) 
     profile, found = None, dict[str, float]()
     for value in values:
         name, equals, text = value.partition("=")
+        if name in found or (profile is not None and not equals):
+            what = f"'{name}'" if equals else "a profile"
+            raise click.BadParameter(f"{what} is set twice", ctx=ctx, param=param)
         if not equals:
             profile = name
             continue
@@ -321,7 +331,7 @@ def cameras(
     return found
 
 
-class Viewpoint(click.ParamType):  # type: ignore[type-arg]
+class Viewpoint(_AsWritten):
     """``x,y,z`` or ``x,y,z,yaw``: metres of the world frame, and degrees from east."""
 
     name = "x,y,z[,yaw]"

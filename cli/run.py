@@ -192,9 +192,9 @@ def run(
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         folder = new_folder(runs_dir, stamp, prepared.graph.name)
-        recorder = Recorder(folder, frames=not no_frames)
-        if camera_file is not None:
-            recorder.keep([camera_file], camera_file.parent)
+        with Recorder(folder, frames=not no_frames).beginning() as recorder:
+            if camera_file is not None:
+                recorder.keep([camera_file], camera_file.parent)
         return recorder
 
     how = _Shown(None if as_json else out, picture=not no_picture)
@@ -222,12 +222,13 @@ def _fly(
     made: list[Recorder] = []
 
     def record() -> Recorder:
-        made.append(new_recorder())
-        for assignment in plan.assignments.values():
-            prepared = assignment.prepared
-            made[0].keep(prepared.files, prepared.found.path.parent)
-        made[0].keep_world(plan.world)
-        return made[0]
+        with new_recorder().beginning() as recorder:
+            for assignment in plan.assignments.values():
+                prepared = assignment.prepared
+                recorder.keep(prepared.files, prepared.found.path.parent)
+            recorder.keep_world(plan.world)
+        made.append(recorder)
+        return recorder
 
     try:
         with ExitStack() as stack:

@@ -8,11 +8,12 @@ from pathlib import Path
 import click
 
 from cli.options import MissionName, Word, WorldName, call_limit_option
+from cli.output import write_file
 from cli.user_code import user_code
 from fsm import Graph
 from runner import missions
 from runner.preparation import prepare
-from vencejo.errors import UserError, Where, cannot_write
+from vencejo.errors import UserError
 
 WRITERS = {
     "text": "fsm.drawing:write_text",
@@ -51,11 +52,8 @@ def show(
     text = _written(graph, format_)
     if output is None:
         click.echo(text, nl=False)
-        return
-    try:
-        Path(output).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise cannot_write(error, "unwritable", f"cannot write '{output}'", Where(output)) from None
+    else:
+        write_file(Path(output), text.encode())
 
 
 def _written(graph: Graph, format_: str) -> str:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from typing import Self
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
@@ -31,7 +32,8 @@ from runner.run_folder import (
     summary_fields,
     telemetry_row,
 )
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, reason_of
+from vencejo.files import write_whole
 from worlds import World
 
 _ROWS_AT_ONCE = 40
@@ -50,10 +52,9 @@ def new_folder(parent: Path, stamp: str, mission: str) -> Path:
                 continue
             return folder
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise UserError(
-            "no-run-folder", f"cannot make a run folder: {reason}", Where(str(parent)), "--runs-dir"
-        ) from None
+        message = f"cannot make a run folder: {reason_of(error)}"
+        hint = "choose another place: --runs-dir"
+        raise UserError("no-run-folder", message, Where(str(parent)), hint) from None
     raise UserError("no-run-folder", "too many runs of one second", Where(str(parent)))
 
 
@@ -79,6 +80,17 @@ class Recorder:
         """Vehicle, sensor and reading of every reading read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
+
+    @contextmanager
+    def beginning(self) -> Iterator[Self]:
+        """Leave no run folder behind where what the block writes cannot be written."""
+        try:
+            yield self
+        except UserError:
+            with suppress(UserError):
+                self.close()
+            shutil.rmtree(self.folder, ignore_errors=True)
+            raise
 
     def keep(self, files: Iterable[Path], base: Path) -> None:
         """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
@@ -177,4 +189,4 @@ class Recorder:
         fields = summary_fields(summary, self.folder)
         text = json.dumps(fields, indent=2, ensure_ascii=False, default=as_json)
         with writing(self.folder / SUMMARY):
-            (self.folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+            write_whole(self.folder / SUMMARY, f"{text}\n".encode())

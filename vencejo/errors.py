@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher, get_close_matches
 from functools import lru_cache
 from heapq import nlargest
+from pathlib import Path
 from typing import Literal, Self
 
 Severity = Literal["error", "warning"]
@@ -102,7 +103,17 @@ def cannot_write(
     It is an OutputError where the disk is to blame, else the place given is.
     """
     kind = OutputError if error.errno in _NO_ROOM else UserError
-    return kind(code, f"{message}: {error.strerror or error}", where, hint)
+    return kind(code, f"{message}: {reason_of(error)}", where, hint)
+
+
+def reason_of(error: OSError) -> str:
+    """The system's reason; or that there is no working directory any more, where that is it."""
+    if error.errno == errno.ENOENT:
+        try:
+            Path.cwd()
+        except FileNotFoundError:
+            return "the folder you are in has been deleted"
+    return error.strerror or str(error)
 
 
 class Stopped(BaseException):

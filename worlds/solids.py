@@ -95,6 +95,16 @@ def _is_near(part: Part, at: Point, attitude: Quaternion, start: Point) -> bool:
     )
 
 
+def holds(shape: Shape, place: Point) -> bool:
+    """Whether a place of the shape's own frame is inside it; of a mesh its bounding box counts."""
+    if isinstance(shape, Sphere):
+        return place.norm() < shape.radius
+    low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
+    if isinstance(shape, Cylinder) and hypot(place.x, place.y) >= shape.radius:
+        return False
+    return all(a < v < b for a, v, b in zip(low, place, high, strict=True))
+
+
 def distance_to(shape: Shape, place: Point) -> float:
     """The distance of a place from a shape's surface, in the shape's own frame.
 
