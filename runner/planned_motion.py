@@ -32,6 +32,8 @@ class Setting:
     """The heading at the start, radians counter-clockwise from east."""
     ground_below: Callable[[Point], float]
     """The height of what lies straight below a place, mission frame."""
+    ground_work: int = 1
+    """The work that asking for it is, in plans asked for."""
     model: FlightModel | None = None
     """How the vehicle flies; None where it is not known."""
     calls: Calls = field(default_factory=Calls)
@@ -228,6 +230,7 @@ class Planner:
 
     def _ground_below(self, point: Point) -> float:
         if point not in self._grounds:
+            self.asked += self.setting.ground_work
             self._grounds[point] = self.setting.ground_below(point)
         return self._grounds[point]
 

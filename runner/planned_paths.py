@@ -37,7 +37,7 @@ from vencejo.errors import Fault
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
 
-MAX_WORK = 15_000
+MAX_WORK = 10_000
 """Transitions taken and plans asked for, as a bound on the time: about a second."""
 MAX_VALUES = 60
 """Visits of the same states with other data; after that data count as unknown."""
@@ -250,16 +250,17 @@ class _Walk:
             return
         for leaf in _leaves(moment):
             for edge, sure in self.choices(moment, (n.always for n in self.chain(leaf))):
-                yield self.take(moment, edge, moment.place)
+                yield self.take(moment, edge, self.anywhere(moment))
                 if sure:
                     return
         if moment.pending:
             yield from self.hear(moment)
             return
         moment = self.start_motion(moment)
-        yield from self.outcomes(moment)
-        yield from self.events(moment)
-        yield from self.waits(moment)
+        interrupted = self.anywhere(moment)
+        yield from self.outcomes(moment, interrupted)
+        yield from self.events(moment, interrupted)
+        yield from self.waits(moment, interrupted)
 
     def hear(self, moment: _Moment) -> Iterator[_Moment]:
         """The moments after the first of the pending outcomes and events has been heard."""
@@ -269,10 +270,10 @@ class _Walk:
             if owner not in moment.active:
                 yield moment
                 return
-            yield from self.offered(moment, self.heard_by(owner, name), name, moment.place)
+            yield from self.offered(moment, self.heard_by(owner, name), name, self.anywhere(moment))
             return
         for leaf in _leaves(moment):
-            yield from self.offered(moment, self.chain(leaf), name, moment.place)
+            yield from self.offered(moment, self.chain(leaf), name, self.anywhere(moment))
 
     def offered(
         self, moment: _Moment, nodes: Sequence[Node], name: str, place: Place
@@ -285,7 +286,7 @@ class _Walk:
                 return
         yield moment
 
-    def outcomes(self, moment: _Moment) -> Iterator[_Moment]:
+    def outcomes(self, moment: _Moment, interrupted: Place) -> Iterator[_Moment]:
         """The moments after a behaviour has ended."""
         for node in moment.active:
             if node.invocation is None or node in moment.ended:
@@ -295,7 +296,7 @@ class _Walk:
             for word in (*behavior.outcomes, "failed"):
                 ended, place, charge = moment, moment.place, moment.charge
                 if moves:
-                    reached = self.reached(moment, word)
+                    reached = self.reached(moment, word, interrupted)
                     if reached is None:
                         continue
                     place, charge = reached
@@ -313,9 +314,8 @@ class _Walk:
                     done = word == "done"
                     yield replace(ended, pending=self.finished(ended, node)) if done else ended
 
-    def events(self, moment: _Moment) -> Iterator[_Moment]:
+    def events(self, moment: _Moment, interrupted: Place) -> Iterator[_Moment]:
         """The moments after an event that a transition waits for."""
-        place = self.anywhere(moment)
         taken: set[Edge] = set()
         possible = {
             event
@@ -334,25 +334,24 @@ class _Walk:
                 for edge, sure in self.choices(moment, groups):
                     if edge not in taken:
                         taken.add(edge)
-                        yield self.take(moment, edge, place)
+                        yield self.take(moment, edge, interrupted)
                     if sure:
                         break
 
-    def waits(self, moment: _Moment) -> Iterator[_Moment]:
+    def waits(self, moment: _Moment, interrupted: Place) -> Iterator[_Moment]:
         """The moments after a condition has come true, or a timer is due."""
-        place = self.anywhere(moment)
         for node in moment.active:
             for when in node.whens:
                 if self.value(moment, when.condition) is not False:
                     for edge, sure in self.choices(moment, [when.edges]):
-                        yield self.take(moment, edge, place)
+                        yield self.take(moment, edge, interrupted)
                         if sure:
                             break
             for after in node.afters:
                 seconds = self.value(moment, after.duration)
                 late = replace(moment, charge=moment.charge + self.hovering(moment, node, seconds))
                 for edge, sure in self.choices(moment, [after.edges]):
-                    yield self.take(late, edge, place)
+                    yield self.take(late, edge, interrupted)
                     if sure:
                         break
 
@@ -540,14 +539,14 @@ class _Walk:
         motion = moment.motion
         return moment.place if motion is None else motion.anywhere(self.horizon(moment))
 
-    def reached(self, moment: _Moment, word: str) -> tuple[Place, float] | None:
+    def reached(self, moment: _Moment, word: str, interrupted: Place) -> tuple[Place, float] | None:
         """Where the vehicle is when its motion has ended, and the charge taken by then; None if it
         cannot have ended so.
         """
         motion = moment.motion
         assert motion is not None
         if word != "done":
-            return self.anywhere(moment), moment.charge
+            return interrupted, moment.charge
         ended = motion.done(self.horizon(moment))
         if ended is None:
             return None
