@@ -55,7 +55,8 @@ class Findings:
     faults: tuple[Fault, ...]
     """Warnings."""
     unknown: tuple[str, ...]
-    """States of which it is only known in flight where, or from where, they fly."""
+    """States that fly where only the flight knows; what follows them up to the next known place is
+    unknown, too."""
     moving: tuple[str, ...]
     """Things that move and may come near: where they are then is not known."""
     complete: bool

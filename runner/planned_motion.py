@@ -143,6 +143,9 @@ class Planner:
         """The number of plans asked for."""
         self.faults: list[Fault] = []
         """Plans that could not be had."""
+        self.unknown: dict[Node, None] = {}
+        """States that fly where only the flight knows, though it is known where they begin, or
+        wherever they begin."""
         self._grounds: dict[Point, float] = {}
 
     def motion(self, node: Node, begin: Place, value: Callable[[Compiled], Any]) -> Motion:
@@ -175,6 +178,7 @@ class Planner:
         self.asked += 1
         behavior, model = node.invocation.behavior, self.setting.model
         if behavior.implementation is None:
+            self.unknown[node] = None
             return None
         start = PlanStart(
             UNKNOWN if point is None else point,
@@ -188,11 +192,16 @@ class Planner:
         try:
             legs = self.setting.calls.run(lambda: class_.plan(class_.Params(**parameters), start))
         except CodeFailed as error:
+            if not isinstance(error.cause, NotKnown) or point is not None:
+                self.unknown[node] = None
             if not isinstance(error.cause, NotKnown):
                 at = f" ({error.where.file}:{error.where.line})" if error.where else ""
                 self._mistake(node, f"failed: {error.message}{at}")
             return None
-        return None if legs is None else self._checked(node, legs)
+        checked = None if legs is None else self._checked(node, legs)
+        if checked is None and (legs is None or point is not None):
+            self.unknown[node] = None
+        return checked
 
     def _checked(self, node: Node, legs: Any) -> tuple[PlannedLeg, ...] | None:
         """What a plan has given; None where it is wrong, or leads to what is not known."""

@@ -79,7 +79,7 @@ class PossiblePaths:
     legs: list[PossibleLeg] = field(default_factory=list)
     """In the order of the battery that the ways to them take."""
     unknown: dict[Node, None] = field(default_factory=dict)
-    """States that fly where, or from where, is only known in flight."""
+    """States that fly where only the flight knows; what follows them is unknown, too."""
     faults: list[Fault] = field(default_factory=list)
     """Plans that could not be asked for."""
     complete: bool = True
@@ -137,7 +137,7 @@ class _Walk:
                 if self.work >= MAX_WORK:
                     break
         self.found.complete = not queue
-        self.found.faults = self.planner.faults
+        self.found.faults, self.found.unknown = self.planner.faults, self.planner.unknown
 
     @property
     def work(self) -> int:
@@ -414,8 +414,7 @@ class _Walk:
             motion = self.planner.motion(node, moment.place, lambda c: self.value(moment, c))
             if node in moment.resumed and any(len(c.legs) > 1 for c in motion.courses):
                 motion = replace(motion, courses=())  # it goes on in the midst of them
-            if not motion.courses and not motion.grounded:
-                self.found.unknown[node] = None
+                self.planner.unknown[node] = None
             following = replace(moment, motion=motion)
             self.note(following, motion)
             return following
@@ -427,8 +426,6 @@ class _Walk:
         for course in motion.courses:
             charge, sure = moment.charge, len(motion.courses) == 1
             for begin, leg in course.flown(horizon):
-                if begin is None:
-                    self.found.unknown[motion.node] = None
                 key = motion.node, begin, leg.to, sure
                 if key not in self.legs:
                     self.legs.add(key)
