@@ -262,7 +262,7 @@ def _notes(findings: Findings) -> Iterator[str]:
     """What the check could not look at, for people."""
     if findings.unknown:
         fly = "flies" if len(findings.unknown) == 1 else "fly"
-        yield f"known in flight only: where, or from where, {_joined(findings.unknown)} {fly}"
+        yield f"known in flight only: where {_joined(findings.unknown)} {fly}, and from there on"
     if findings.moving:
         come = "comes" if len(findings.moving) == 1 else "come"
         yield f"known in flight only: how near {_joined(findings.moving)} {come}, moving"

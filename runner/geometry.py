@@ -7,7 +7,7 @@ things, above the limits, out of the world's fence, or farther than the battery 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import dist
 from typing import Any
 
@@ -28,8 +28,10 @@ CLEARANCE = 0.5
 """Least distance from things that is asked for by default, metres."""
 ABOVE = 0.2
 """Metres above a thing at which a leg may begin or end over it, to land on it."""
-MAX_COMPARED = 400_000
+MAX_COMPARED = 600_000
 """Legs times parts of things that are compared, as a bound on the time."""
+MOST_ALIKE = 5
+"""Warnings of one code in one state that are told."""
 _SAME = 1e-6
 _HOME = Point(0.0, 0.0, 0.0)
 
@@ -53,7 +55,8 @@ class Findings:
     faults: tuple[Fault, ...]
     """Warnings."""
     unknown: tuple[str, ...]
-    """States of which it is only known in flight where, or from where, they fly."""
+    """States that fly where only the flight knows; what follows them up to the next known place is
+    unknown, too."""
     moving: tuple[str, ...]
     """Things that move and may come near: where they are then is not known."""
     complete: bool
@@ -80,7 +83,14 @@ def check_geometry(
     def ground_below(place: Point) -> float:
         return obstacles.below(frame.to_world(place)).height - start.at.z
 
-    setting = Setting(frame, start.heading, ground_below, terms.model, calls or Calls())
+    setting = Setting(
+        frame,
+        start.heading,
+        ground_below,
+        1 + len(obstacles) // 50,
+        terms.model,
+        calls or Calls(),
+    )
     paths = possible_paths(graph, parameters or {}, setting)
     view = _View(world, obstacles, frame, terms)
     most = MAX_COMPARED // (1 + len(obstacles))
@@ -116,7 +126,16 @@ class _View:
         self.found: dict[tuple[str, Node, str], _Finding] = {}
 
     def faults(self) -> Iterator[Fault]:
-        yield from (finding.fault for finding in self.found.values())
+        """The warnings, of each code and state the first MOST_ALIKE."""
+        alike: dict[tuple[str, Node], list[Fault]] = {}
+        for (code, node, _), finding in self.found.items():
+            alike.setdefault((code, node), []).append(finding.fault)
+        for faults in alike.values():
+            yield from faults[: MOST_ALIKE - 1]
+            more = len(faults) - MOST_ALIKE
+            for last in faults[MOST_ALIKE - 1 : MOST_ALIKE]:
+                also = f"; {more} more things are as near" if more else ""
+                yield replace(last, hint=f"{last.hint}{also}")
 
     def warn(
         self, code: str, leg: PossibleLeg, message: str, hint: str, of: str = "", near: float = 0.0

@@ -32,6 +32,8 @@ class Setting:
     """The heading at the start, radians counter-clockwise from east."""
     ground_below: Callable[[Point], float]
     """The height of what lies straight below a place, mission frame."""
+    ground_work: int = 1
+    """The work that asking for it is, in plans asked for."""
     model: FlightModel | None = None
     """How the vehicle flies; None where it is not known."""
     calls: Calls = field(default_factory=Calls)
@@ -141,6 +143,9 @@ class Planner:
         """The number of plans asked for."""
         self.faults: list[Fault] = []
         """Plans that could not be had."""
+        self.unknown: dict[Node, None] = {}
+        """States that fly where only the flight knows, though it is known where they begin, or
+        wherever they begin."""
         self._grounds: dict[Point, float] = {}
 
     def motion(self, node: Node, begin: Place, value: Callable[[Compiled], Any]) -> Motion:
@@ -173,6 +178,7 @@ class Planner:
         self.asked += 1
         behavior, model = node.invocation.behavior, self.setting.model
         if behavior.implementation is None:
+            self.unknown[node] = None
             return None
         start = PlanStart(
             UNKNOWN if point is None else point,
@@ -186,11 +192,16 @@ class Planner:
         try:
             legs = self.setting.calls.run(lambda: class_.plan(class_.Params(**parameters), start))
         except CodeFailed as error:
+            if not isinstance(error.cause, NotKnown) or point is not None:
+                self.unknown[node] = None
             if not isinstance(error.cause, NotKnown):
                 at = f" ({error.where.file}:{error.where.line})" if error.where else ""
                 self._mistake(node, f"failed: {error.message}{at}")
             return None
-        return None if legs is None else self._checked(node, legs)
+        checked = None if legs is None else self._checked(node, legs)
+        if checked is None and (legs is None or point is not None):
+            self.unknown[node] = None
+        return checked
 
     def _checked(self, node: Node, legs: Any) -> tuple[PlannedLeg, ...] | None:
         """What a plan has given; None where it is wrong, or leads to what is not known."""
@@ -228,6 +239,7 @@ class Planner:
 
     def _ground_below(self, point: Point) -> float:
         if point not in self._grounds:
+            self.asked += self.setting.ground_work
             self._grounds[point] = self.setting.ground_below(point)
         return self._grounds[point]
 

@@ -24,7 +24,6 @@ from behaviors import UNKNOWN, PlannedLeg
 from behaviors.plan import Unknown
 from fsm import Graph
 from fsm.chart.entry_sets import default_entry, entry_set, transition_domain
-from fsm.chart.executable import Action, Origin
 from fsm.chart.graph import Edge, Node
 from fsm.chart.selection import chain
 from fsm.expressions.compiled import Compiled
@@ -32,12 +31,20 @@ from fsm.expressions.scope import CONFIGURATION_SLOT, PERIOD_SLOT
 from fsm.host import PERIOD, BehaviorInfo
 from fsm.values.functions import FAILURES
 from fsm.values.types import POINT
+from runner.planned_moment import (
+    Actions,
+    Moment,
+    Way,
+    is_finished,
+    leaves_of,
+    remembered,
+    restorable,
+)
 from runner.planned_motion import Motion, Place, Planner, Setting
 from vencejo.errors import Fault
 from vencejo.geometry import Point
-from vencejo.nodes import Mapping as MapNode
 
-MAX_WORK = 15_000
+MAX_WORK = 10_000
 """Transitions taken and plans asked for, as a bound on the time: about a second."""
 MAX_VALUES = 60
 """Visits of the same states with other data; after that data count as unknown."""
@@ -72,91 +79,11 @@ class PossiblePaths:
     legs: list[PossibleLeg] = field(default_factory=list)
     """In the order of the battery that the ways to them take."""
     unknown: dict[Node, None] = field(default_factory=dict)
-    """States that fly where, or from where, is only known in flight."""
+    """States that fly where only the flight knows; what follows them is unknown, too."""
     faults: list[Fault] = field(default_factory=list)
     """Plans that could not be asked for."""
     complete: bool = True
     """False where there are more ways than were followed."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """The way to a moment."""
-
-    before: _Step | None
-    names: tuple[str, ...]
-
-    def shown(self, most: int = 8) -> str:
-        names: list[str] = []
-        step: _Step | None = self
-        while step is not None and len(names) <= most:
-            names[:0] = step.names
-            step = step.before
-        short = names[-most:]
-        return " → ".join(["…", *short] if step is not None or len(names) > most else short)
-
-
-@dataclass(slots=True)
-class _Moment:
-    """A moment of the mission: active states, values, and where the vehicle is."""
-
-    active: tuple[Node, ...]
-    """In document order."""
-    values: list[Any]
-    place: Place
-    way: _Step
-    charge: float = 0.0
-    motion: Motion | None = None
-    ended: frozenset[Node] = frozenset()
-    """The states whose behaviours have ended."""
-    pending: tuple[tuple[Node | None, str], ...] = ()
-    """Outcomes (with their state) and raised events that are heard next."""
-    memories: Mapping[Node, tuple[Node, ...]] = field(default_factory=dict)
-    """What each history state remembers."""
-    resumed: frozenset[Node] = frozenset()
-    """The states entered by way of a history state, whose behaviours go on with what they did."""
-    over: bool = False
-    """Whether the mission has ended."""
-
-
-class _Actions:
-    """Runs actions on the values of a moment (see :class:`fsm.chart.executable.Runtime`)."""
-
-    def __init__(self, values: list[Any]) -> None:
-        self.slots = values
-        self.records: list[Any] = []
-        self.host = self
-        self.raised: list[tuple[Node | None, str]] = []
-
-    def run(self, actions: Iterable[Action], node: Node) -> None:
-        """Run a block of actions of a state; a variable whose value is unknown becomes so."""
-        for action in actions:
-            try:
-                action.run(self, UNKNOWN)  # type: ignore[arg-type]
-            except FAILURES:
-                self._forget(action, node)
-                if action.kind == "raise" and action.message:
-                    self.raised.append((None, action.message.event))
-
-    def _forget(self, action: Action, node: Node) -> None:
-        if action.kind in ("set", "append") and isinstance(action.node, MapNode):
-            names = {key.text for key, _ in action.node}
-            for around in node.outwards():
-                for data in around.data:
-                    if data.name in names:
-                        self.slots[data.slot] = UNKNOWN
-
-    def record(self, what: str, **fields: Any) -> None: ...
-
-    def raise_event(self, name: str, fields: Any, origin: Origin | None = None) -> None:
-        self.raised.append((None, name))
-
-    def send(self, *_: Any, **__: Any) -> None:
-        """What is sent may arrive at any time: it is followed as an event."""
-
-    def cancel(self, id_: str) -> None: ...
-
-    def call(self, name: str, arguments: Any) -> None: ...
 
 
 def possible_paths(graph: Graph, parameters: Mapping[str, Any], setting: Setting) -> PossiblePaths:
@@ -197,7 +124,7 @@ class _Walk:
         """Events that come from nowhere but the mission's own `raise`."""
         self.visits: dict[tuple[Node, ...], int] = {}
         seen: set[Any] = set()
-        order, queue = count(), list[tuple[float, int, _Moment]]()
+        order, queue = count(), list[tuple[float, int, Moment]]()
         heappush(queue, (0.0, next(order), self.begin(parameters)))
         while queue and self.work < MAX_WORK:
             moment = heappop(queue)[2]
@@ -210,13 +137,13 @@ class _Walk:
                 if self.work >= MAX_WORK:
                     break
         self.found.complete = not queue
-        self.found.faults = self.planner.faults
+        self.found.faults, self.found.unknown = self.planner.faults, self.planner.unknown
 
     @property
     def work(self) -> int:
         return self.taken + self.planner.asked
 
-    def key(self, moment: _Moment) -> tuple[Any, ...]:
+    def key(self, moment: Moment) -> tuple[Any, ...]:
         """What tells a moment from others; the states' data become unknown after many visits."""
         visits = self.visits[moment.active] = self.visits.get(moment.active, 0) + 1
         if visits > MAX_VALUES:
@@ -227,7 +154,7 @@ class _Walk:
         state = moment.active, moment.ended, moment.pending, memories, moment.resumed
         return *state, moment.place, moment.motion, values
 
-    def begin(self, parameters: Mapping[str, Any]) -> _Moment:
+    def begin(self, parameters: Mapping[str, Any]) -> Moment:
         graph, frame = self.graph, self.setting.frame
         values: list[Any] = [UNKNOWN] * graph.slots
         values[PERIOD_SLOT] = PERIOD
@@ -237,31 +164,32 @@ class _Walk:
             named = parameter.type == POINT and isinstance(value, str) and value in frame.places
             values[slot] = frame.from_world(frame.places[value]) if named else value
         place = Place((Point(0.0, 0.0, 0.0),), self.setting.yaw, False)
-        moment = _Moment((), values, place, _Step(None, ()))
+        moment = Moment((), values, place, Way(None, ()))
         root = graph.root
         entered = entry_set(root, default_entry(root), moment.memories.get).states
         return self.enter(moment, [root, *entered])
 
     # -- what may come next ---------------------------------------------------------------------
 
-    def following(self, moment: _Moment) -> Iterator[_Moment]:
+    def following(self, moment: Moment) -> Iterator[Moment]:
         """The moments that may follow one."""
         if moment.over:
             return
-        for leaf in _leaves(moment):
+        for leaf in leaves_of(moment):
             for edge, sure in self.choices(moment, (n.always for n in self.chain(leaf))):
-                yield self.take(moment, edge, moment.place)
+                yield self.take(moment, edge, self.anywhere(moment))
                 if sure:
                     return
         if moment.pending:
             yield from self.hear(moment)
             return
         moment = self.start_motion(moment)
-        yield from self.outcomes(moment)
-        yield from self.events(moment)
-        yield from self.waits(moment)
+        interrupted = self.anywhere(moment)
+        yield from self.outcomes(moment, interrupted)
+        yield from self.events(moment, interrupted)
+        yield from self.waits(moment, interrupted)
 
-    def hear(self, moment: _Moment) -> Iterator[_Moment]:
+    def hear(self, moment: Moment) -> Iterator[Moment]:
         """The moments after the first of the pending outcomes and events has been heard."""
         (owner, name), rest = moment.pending[0], moment.pending[1:]
         moment = replace(moment, pending=rest)
@@ -269,14 +197,14 @@ class _Walk:
             if owner not in moment.active:
                 yield moment
                 return
-            yield from self.offered(moment, self.heard_by(owner, name), name, moment.place)
+            yield from self.offered(moment, self.heard_by(owner, name), name, self.anywhere(moment))
             return
-        for leaf in _leaves(moment):
-            yield from self.offered(moment, self.chain(leaf), name, moment.place)
+        for leaf in leaves_of(moment):
+            yield from self.offered(moment, self.chain(leaf), name, self.anywhere(moment))
 
     def offered(
-        self, moment: _Moment, nodes: Sequence[Node], name: str, place: Place
-    ) -> Iterator[_Moment]:
+        self, moment: Moment, nodes: Sequence[Node], name: str, place: Place
+    ) -> Iterator[Moment]:
         """The moments after an outcome or event was offered to states; also if none takes it."""
         groups = (node.edges_for(name, self.graph.vocabulary) for node in nodes)
         for edge, sure in self.choices(moment, groups):
@@ -285,7 +213,7 @@ class _Walk:
                 return
         yield moment
 
-    def outcomes(self, moment: _Moment) -> Iterator[_Moment]:
+    def outcomes(self, moment: Moment, interrupted: Place) -> Iterator[Moment]:
         """The moments after a behaviour has ended."""
         for node in moment.active:
             if node.invocation is None or node in moment.ended:
@@ -295,7 +223,7 @@ class _Walk:
             for word in (*behavior.outcomes, "failed"):
                 ended, place, charge = moment, moment.place, moment.charge
                 if moves:
-                    reached = self.reached(moment, word)
+                    reached = self.reached(moment, word, interrupted)
                     if reached is None:
                         continue
                     place, charge = reached
@@ -313,9 +241,8 @@ class _Walk:
                     done = word == "done"
                     yield replace(ended, pending=self.finished(ended, node)) if done else ended
 
-    def events(self, moment: _Moment) -> Iterator[_Moment]:
+    def events(self, moment: Moment, interrupted: Place) -> Iterator[Moment]:
         """The moments after an event that a transition waits for."""
-        place = self.anywhere(moment)
         taken: set[Edge] = set()
         possible = {
             event
@@ -323,7 +250,7 @@ class _Walk:
             if node.invocation
             for event in node.invocation.behavior.events
         }
-        for leaf in _leaves(moment):
+        for leaf in leaves_of(moment):
             around = self.chain(leaf)
             for name in dict.fromkeys(name for node in around for name, _ in node.on):
                 event = "any.event" if name == "*" else name
@@ -334,30 +261,29 @@ class _Walk:
                 for edge, sure in self.choices(moment, groups):
                     if edge not in taken:
                         taken.add(edge)
-                        yield self.take(moment, edge, place)
+                        yield self.take(moment, edge, interrupted)
                     if sure:
                         break
 
-    def waits(self, moment: _Moment) -> Iterator[_Moment]:
+    def waits(self, moment: Moment, interrupted: Place) -> Iterator[Moment]:
         """The moments after a condition has come true, or a timer is due."""
-        place = self.anywhere(moment)
         for node in moment.active:
             for when in node.whens:
                 if self.value(moment, when.condition) is not False:
                     for edge, sure in self.choices(moment, [when.edges]):
-                        yield self.take(moment, edge, place)
+                        yield self.take(moment, edge, interrupted)
                         if sure:
                             break
             for after in node.afters:
                 seconds = self.value(moment, after.duration)
                 late = replace(moment, charge=moment.charge + self.hovering(moment, node, seconds))
                 for edge, sure in self.choices(moment, [after.edges]):
-                    yield self.take(late, edge, place)
+                    yield self.take(late, edge, interrupted)
                     if sure:
                         break
 
     def choices(
-        self, moment: _Moment, groups: Iterable[Iterable[Edge]]
+        self, moment: Moment, groups: Iterable[Iterable[Edge]]
     ) -> Iterator[tuple[Edge, bool]]:
         """The transitions that may be taken, in order, each with whether it is sure to be."""
         for edges in groups:
@@ -382,7 +308,7 @@ class _Walk:
         within = tuple(owner.outwards())
         return [node for node in around if node in within]
 
-    def value(self, moment: _Moment, compiled: Compiled) -> Any:
+    def value(self, moment: Moment, compiled: Compiled) -> Any:
         """The value of an expression; None where it is not known."""
         try:
             moment.values[CONFIGURATION_SLOT] = sum(node.mask for node in moment.active)
@@ -393,12 +319,12 @@ class _Walk:
 
     # -- a transition ---------------------------------------------------------------------------
 
-    def take(self, moment: _Moment, edge: Edge, place: Place) -> _Moment:
+    def take(self, moment: Moment, edge: Edge, place: Place) -> Moment:
         """The moment after a transition, taken while the vehicle is at a place."""
         self.taken += 1 + len(moment.active) // 20
         domain = transition_domain(edge, moment.memories.get)
         values = list(moment.values)
-        actions = _Actions(values)
+        actions = Actions(values)
         left = [n for n in moment.active if domain is not None and domain.contains(n)]
         for node in reversed(left):
             actions.run(node.exit_actions, node)
@@ -414,7 +340,7 @@ class _Walk:
             ended=moment.ended - set(left),
             resumed=moment.resumed - set(left),
             pending=(*moment.pending, *actions.raised),
-            memories={**moment.memories, **_remembered(left, moment.active)}
+            memories={**moment.memories, **remembered(left, moment.active)}
             if left
             else moment.memories,
         )
@@ -423,19 +349,19 @@ class _Walk:
         found = entry_set(domain, edge.targets, moment.memories.get)
         after = self.enter(after, found.states)
         if found.histories:
-            kept = (node for h in found.histories for node in found.states if node in _inside(h))
+            kept = (node for h in found.histories for node in found.states if node in restorable(h))
             after.resumed = after.resumed | frozenset(kept)
             for node in after.resumed:
                 for data in node.data:
                     after.values[data.slot] = UNKNOWN  # it comes back as it was then
         return after
 
-    def enter(self, moment: _Moment, entered: Sequence[Node]) -> _Moment:
+    def enter(self, moment: Moment, entered: Sequence[Node]) -> Moment:
         """The moment after states have been entered."""
         active = sorted({*moment.active, *entered}, key=lambda node: node.index)
-        actions = _Actions(moment.values)
+        actions = Actions(moment.values)
         names = tuple(node.path for node in entered if not node.children)
-        after = replace(moment, active=tuple(active), way=_Step(moment.way, names))
+        after = replace(moment, active=tuple(active), way=Way(moment.way, names))
         for node in entered:
             self.fill(after, node)
             actions.run(node.entry, node)
@@ -445,7 +371,7 @@ class _Walk:
                 self.finish(after, node)
         return after
 
-    def fill(self, moment: _Moment, node: Node) -> None:
+    def fill(self, moment: Moment, node: Node) -> None:
         for given in node.given:
             source = given.with_ if given.live is None else given.live
             value = given.default if source is None else self.value(moment, source)
@@ -455,7 +381,7 @@ class _Walk:
             known = value is not None or data.initial.constant
             moment.values[data.slot] = value if known else UNKNOWN
 
-    def finish(self, moment: _Moment, final: Node) -> None:
+    def finish(self, moment: Moment, final: Node) -> None:
         """Note what an entered final state ends."""
         assert final.parent is not None
         owner = final.parent.owner
@@ -465,18 +391,18 @@ class _Walk:
         done = self.finished(moment, owner) if final.outcome == "done" else ()
         moment.pending = (*moment.pending, (owner, final.outcome), *done)
 
-    def finished(self, moment: _Moment, region: Node) -> tuple[tuple[Node | None, str], ...]:
+    def finished(self, moment: Moment, region: Node) -> tuple[tuple[Node | None, str], ...]:
         """The pending outcomes, and `done` of a parallel state whose last region has finished."""
         parallel = region.parent
         if parallel is None or parallel.type != "parallel":
             return ()
-        if not all(_is_finished(each, moment) for each in default_entry(parallel)):
+        if not all(is_finished(each, moment) for each in default_entry(parallel)):
             return ()
         return ((parallel.owner, "done"),)
 
     # -- motion ---------------------------------------------------------------------------------
 
-    def start_motion(self, moment: _Moment) -> _Moment:
+    def start_motion(self, moment: Moment) -> Moment:
         """The moment after a behaviour that moves the vehicle has begun, if one does."""
         for node in moment.active:
             if node.invocation is None or node in moment.ended:
@@ -488,21 +414,18 @@ class _Walk:
             motion = self.planner.motion(node, moment.place, lambda c: self.value(moment, c))
             if node in moment.resumed and any(len(c.legs) > 1 for c in motion.courses):
                 motion = replace(motion, courses=())  # it goes on in the midst of them
-            if not motion.courses and not motion.grounded:
-                self.found.unknown[node] = None
+                self.planner.unknown[node] = None
             following = replace(moment, motion=motion)
             self.note(following, motion)
             return following
         return moment
 
-    def note(self, moment: _Moment, motion: Motion) -> None:
+    def note(self, moment: Moment, motion: Motion) -> None:
         """Keep the legs of a motion that has begun, as far as they are flown."""
         horizon, way = self.horizon(moment), moment.way.shown()
         for course in motion.courses:
             charge, sure = moment.charge, len(motion.courses) == 1
             for begin, leg in course.flown(horizon):
-                if begin is None:
-                    self.found.unknown[motion.node] = None
                 key = motion.node, begin, leg.to, sure
                 if key not in self.legs:
                     self.legs.add(key)
@@ -510,7 +433,7 @@ class _Walk:
                     self.found.legs.append(found)
                 charge += self.planner.charge([(begin, leg)])
 
-    def hovering(self, moment: _Moment, node: Node, seconds: Any) -> float:
+    def hovering(self, moment: Moment, node: Node, seconds: Any) -> float:
         """The share of a full battery taken until a state's timer is due, at the least."""
         timed = isinstance(seconds, (int, float)) and isfinite(seconds) and seconds > 0
         begun = moment.motion is None or moment.motion.node is node
@@ -520,7 +443,7 @@ class _Walk:
         here = Point(0.0, 0.0, 0.0)
         return model.leg_charge(here, here, None, seconds)
 
-    def horizon(self, moment: _Moment) -> float:
+    def horizon(self, moment: Moment) -> float:
         """Seconds after which a timer is sure to have interrupted the motion that has begun."""
         motion, found = moment.motion, inf
         if motion is None:
@@ -535,60 +458,22 @@ class _Walk:
                     found = min(found, seconds)
         return found
 
-    def anywhere(self, moment: _Moment) -> Place:
+    def anywhere(self, moment: Moment) -> Place:
         """Where the vehicle may be when what it does is interrupted."""
         motion = moment.motion
         return moment.place if motion is None else motion.anywhere(self.horizon(moment))
 
-    def reached(self, moment: _Moment, word: str) -> tuple[Place, float] | None:
+    def reached(self, moment: Moment, word: str, interrupted: Place) -> tuple[Place, float] | None:
         """Where the vehicle is when its motion has ended, and the charge taken by then; None if it
         cannot have ended so.
         """
         motion = moment.motion
         assert motion is not None
         if word != "done":
-            return self.anywhere(moment), moment.charge
+            return interrupted, moment.charge
         ended = motion.done(self.horizon(moment))
         if ended is None:
             return None
         place, courses = ended
         charges = [self.planner.charge(course.flown(inf)) for course in courses]
         return place, moment.charge + min(charges, default=0.0)
-
-
-def _leaves(moment: _Moment) -> list[Node]:
-    return [node for node in moment.active if not node.children]
-
-
-def _is_finished(region: Node, moment: _Moment) -> bool:
-    """Whether a final child of a region is active, or its behaviour has ended."""
-    if region.type == "parallel":
-        return all(_is_finished(inner, moment) for inner in default_entry(region))
-    if region.children and region.children[0].border:
-        return _is_finished(region.children[0], moment)
-    if region.children:
-        return any(child.type == "final" and child in moment.active for child in region.children)
-    return region in moment.ended
-
-
-def _remembered(left: Iterable[Node], active: Sequence[Node]) -> dict[Node, tuple[Node, ...]]:
-    """What the history states of states that are left remember."""
-    found = {}
-    for node in left:
-        for history in node.children:
-            if history.type == "history":
-                inside = [n for n in active if node.contains(n)]
-                kept = [n for n in inside if (not n.children if history.deep else n.parent is node)]
-                found[history] = tuple(kept)
-    return found
-
-
-def _inside(history: Node) -> set[Node]:
-    """The states that a history state may restore."""
-    assert history.parent is not None
-    pending, found = list(history.parent.children), set[Node]()
-    while pending:
-        node = pending.pop()
-        found.add(node)
-        pending.extend(node.children)
-    return found

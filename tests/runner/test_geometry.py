@@ -113,6 +113,14 @@ def test_a_leg_that_passes_nearer_than_the_clearance_is_told_with_the_distance(
     assert codes(checked(text, "yard", replace(SIM, clearance=0.1))) == []
 
 
+def test_of_many_things_in_the_way_of_one_state_five_are_told() -> None:
+    boxes = "\n".join(f"  b{k}: {{at: [{3 * k}, 0], size: [1, 1, 4]}}" for k in range(1, 9))
+    findings = checked(to("[30, 0, 2]"), read_world(f"world: w\nboxes:\n{boxes}\n", "w.yaml"))
+    there = [fault for fault in findings.faults if str(fault.where) == "m.yaml:6:29"]
+    assert [fault.code for fault in there] == ["hits-thing"] * 5
+    assert there[-1].hint == "fly over it or around it; 3 more things are as near"
+
+
 def test_a_landing_on_a_thing_and_a_take_off_from_it_are_meant() -> None:
     assert codes(checked(to("[3, -4, 2]").replace("done: home", "done: land"), "yard")) == []
     world = read_world(
@@ -253,7 +261,7 @@ def test_what_depends_on_the_flight_is_unknown_until_the_next_known_place() -> N
         "  again: {do: goto, with: {to: [0, 0, 1]}, on: {done: land, blocked: land}}"
     )
     findings = checked(text, "yard")
-    assert findings.unknown[:2] == ("go", "back")
+    assert findings.unknown == ("go",)
     assert "from [0, 20, 1] to [0, 0, 1] leads through the box 'wall'" in str(findings.faults)
 
 

@@ -138,7 +138,7 @@ def test_what_lies_below_is_the_top_of_the_thing_or_the_ground(
     if top > 0.0:
         assert np.linalg.norm(solid - np.array([x, y, top]), axis=1).min() < 0.25
     elif len(around):
-        assert not obstacles.near(Point(x, y, 9.0), Point(x, y, 0.0), 1e-3)
+        assert not obstacles.near(Point(x, y, 9.0), Point(x, y, 0.0), 1e-8)
 
 
 def test_the_wall_of_the_yard_is_met_where_it_stands() -> None:
