@@ -58,11 +58,22 @@ class Define:
     busy: bool = False
 
 
+HINTS = 200
+"""Number of unknown names in a mission for which a hint is looked for."""
+
+
 @dataclass(eq=False)
 class Size:
     """How large the expressions of a mission are, those of defines counted at each use."""
 
     parts: int = 0
+    unknown: int = 0
+    """Number of unknown names found."""
+
+    def add_unknown(self) -> bool:
+        """Count an unknown name; True for the first ones, for which a hint is worth the search."""
+        self.unknown += 1
+        return self.unknown <= HINTS
 
     def add_expression(self, file: str) -> None:
         """Count one. Raises UserError, always the same, once there are too many."""

@@ -246,16 +246,20 @@ class Translator:
         self._unknown(node, name)
 
     def _unknown(self, node: ast.AST, name: str) -> NoReturn:
+        hint = self._meant(name) if self.scope.size.add_unknown() else None
+        self.fail(node, "unknown-name", f"the name '{name}' is unknown here", hint)
+
+    def _meant(self, name: str) -> str | None:
+        """A hint at what an unknown name was to be."""
         known = {*self.scope.visible(), *self.locals, *self.arguments}
-        hint = nearest(name, known)
         host = next(self.scope.with_field(name), None)
         if host:
-            hint = Correction(name, f"{host}.{name}")
-        elif name in fn.FUNCTIONS or name == "active":
-            hint = f"'{name}' is a function: write {name}(…)"
-        elif not known:
-            hint = "nothing is declared here; a text needs no `$`, and quotes inside an expression"
-        self.fail(node, "unknown-name", f"the name '{name}' is unknown here", hint)
+            return Correction(name, f"{host}.{name}")
+        if name in fn.FUNCTIONS or name == "active":
+            return f"'{name}' is a function: write {name}(…)"
+        if not known:
+            return "nothing is declared here; a text needs no `$`, and quotes inside an expression"
+        return nearest(name, known)
 
     def _binding(self, found: Binding) -> str:
         if found.kind == "event":
