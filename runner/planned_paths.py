@@ -44,8 +44,8 @@ from runner.planned_motion import Motion, Place, Planner, Setting
 from vencejo.errors import Fault
 from vencejo.geometry import Point
 
-MAX_WORK = 10_000
-"""Transitions taken and plans asked for, as a bound on the time: about a second."""
+MAX_WORK = 4_000
+"""Moments, transitions and plans looked at, as a bound on the time: less than half a second."""
 MAX_VALUES = 60
 """Visits of the same states with other data; after that data count as unknown."""
 
@@ -100,7 +100,7 @@ class _Walk:
         self.found = PossiblePaths()
         self.planner = Planner(setting)
         self.taken = 0
-        """The number of transitions taken."""
+        """Moments looked at and transitions taken, those of many states or events for several."""
         self.legs: set[tuple[Node, Point | None, Point, bool]] = set()
         self.slots = sorted(
             {data.slot for node in graph.nodes for data in node.data}
@@ -132,6 +132,7 @@ class _Walk:
             if key in seen:
                 continue
             seen.add(key)
+            self.taken += 1 + (len(moment.active) + len(moment.pending)) // 20
             for following in self.following(moment):
                 heappush(queue, (following.charge, next(order), following))
                 if self.work >= MAX_WORK:
@@ -321,24 +322,25 @@ class _Walk:
 
     def take(self, moment: Moment, edge: Edge, place: Place) -> Moment:
         """The moment after a transition, taken while the vehicle is at a place."""
-        self.taken += 1 + len(moment.active) // 20
+        self.taken += 1 + (len(moment.active) + len(moment.pending)) // 20
         domain = transition_domain(edge, moment.memories.get)
         values = list(moment.values)
         actions = Actions(values)
         left = [n for n in moment.active if domain is not None and domain.contains(n)]
+        gone = frozenset(left)
         for node in reversed(left):
             actions.run(node.exit_actions, node)
         actions.run(edge.actions, edge.node)
         motion = moment.motion
-        stopped = motion is not None and motion.node in left
+        stopped = motion is not None and motion.node in gone
         after = replace(
             moment,
-            active=tuple(node for node in moment.active if node not in left),
+            active=tuple(node for node in moment.active if node not in gone),
             values=values,
             place=place if stopped or motion is None else moment.place,
             motion=None if stopped else motion,
-            ended=moment.ended - set(left),
-            resumed=moment.resumed - set(left),
+            ended=moment.ended - gone,
+            resumed=moment.resumed - gone,
             pending=(*moment.pending, *actions.raised),
             memories={**moment.memories, **remembered(left, moment.active)}
             if left

@@ -145,17 +145,21 @@ class Correction(str):
 
 _CERTAIN, _APART = 0.75, 0.05
 """Least similarity of a word to the one that was certainly meant, and what others have less."""
-
-
 _ALL_COMPARED = 100
 """Number of known words up to which a wrong one is compared with them all."""
 
 
 def certain(word: str, known: Iterable[str]) -> str | None:
-    """The known word that was certainly meant: similar, and more so than every other one."""
+    """The known word that was certainly meant: similar, and more so than every other one.
+
+    None among very many, since comparing them all would take long.
+    """
+    options = {*known}
+    if len(options) > _ALL_COMPARED:
+        return None
     alike = SequenceMatcher(b=word)
     ratios = []
-    for other in {*known}:
+    for other in options:
         alike.set_seq1(other)
         ratios.append((alike.ratio(), other))
     (best, found), (second, _) = sorted([*ratios, (0.0, ""), (0.0, "")], reverse=True)[:2]

@@ -451,7 +451,7 @@ def _outcome_hint(name: str, outcomes: Iterable[str]) -> str:
     words = sorted(outcomes)
     if not words:
         return "there are no outcomes here"
-    listed = f"the outcomes here are: {', '.join(words)}"
+    listed = f"the outcomes here are: {', '.join(words[:12])}{', …' if len(words) > 12 else ''}"
     meant = certain(name, words)
     if meant is None:
         return listed
