@@ -33,6 +33,7 @@ MAX_COMPARED = 600_000
 MOST_ALIKE = 5
 """Warnings of one code in one state that are told."""
 _SAME = 1e-6
+_TOUCHING = 1e-3
 _HOME = Point(0.0, 0.0, 0.0)
 
 
@@ -182,7 +183,11 @@ class _View:
             return  # an emergency may end anywhere
         near = self.obstacles.near(a, b, clearance)
         under = [self.obstacles.below(end).thing for end in (a, b)] if near else []
+        # What it begins in was told of the leg that leads there.
+        inside = [each.thing for each in self.obstacles.near(a, a, _TOUCHING)] if near else []
         for each in near:
+            if each.thing in inside:
+                continue
             stood_on = each.thing in under
             if stood_on and ((upright and _is_level_with(each, a, b)) or each.distance >= ABOVE):
                 continue
@@ -192,8 +197,8 @@ class _View:
     def warn_of_thing(self, leg: PossibleLeg, near: Near, end: Point) -> None:
         thing, place = near.thing, _shown(self.frame.from_world(near.place))
         what, name = f"the {thing.kind} '{thing.name}'", thing.name
-        if near.distance < 1e-3:
-            inside = any(each.thing is thing for each in self.obstacles.near(end, end, 1e-3))
+        if near.distance < _TOUCHING:
+            inside = any(each.thing is thing for each in self.obstacles.near(end, end, _TOUCHING))
             into = "into" if inside else "through"
             told = f"{_line(leg)} leads {into} {what} near {place}"
             self.warn("hits-thing", leg, told, "fly over it or around it", name)

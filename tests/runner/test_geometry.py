@@ -95,6 +95,14 @@ def test_a_leg_through_the_wall_of_the_yard_is_told_with_its_name() -> None:
     assert codes(checked(to("[0, 20, 5]"), "yard")) == []
 
 
+def test_what_leads_out_of_a_thing_is_not_told_again() -> None:
+    text = flight(
+        "go: {do: goto, with: {to: [6, 2, 1]}, on: {done: on, blocked: land}}\n"
+        "  on: {do: goto, with: {to: [12, 2, 1]}, on: {done: land, blocked: land}}"
+    )
+    assert told(checked(text, "yard")) == [("hits-thing", "m.yaml:6:29")]
+
+
 def test_an_end_inside_a_thing_is_into_it() -> None:
     assert "into the box 'wall'" in checked(to("[0, 12, 1]"), "yard").faults[0].message
 

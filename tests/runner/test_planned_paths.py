@@ -94,6 +94,15 @@ def test_guards_of_the_flight_both_pass_and_do_not() -> None:
     assert {leg.node.path for leg in found.legs} == {"up", "b", "c", "land"}
 
 
+def test_a_condition_that_must_last_is_not_sure_to() -> None:
+    found = paths(
+        "  a: {do: hover, when: {vehicle.altitude > 1 m: [{for: 3 s, target: b}, c]}}\n"
+        + goto("b", "[8, 0, 2]", "land")
+        + goto("c", "[0, 8, 2]", "land")
+    )
+    assert {leg.node.path for leg in found.legs} == {"up", "a", "b", "c", "land"}
+
+
 def test_data_that_an_event_of_the_flight_sets_are_unknown() -> None:
     found = paths(
         "  a: {do: hover, on: {seen.it: {target: b, actions: {set: {spot: $event.at}}}}}\n"
