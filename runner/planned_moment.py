@@ -54,6 +54,12 @@ class Moment:
     over: bool = False
     """Whether the mission has ended."""
 
+    @property
+    def size(self) -> int:
+        """How much work it is to look at, 1 for a usual one."""
+        parts = len(self.active) + len(self.pending) + len(self.memories) + len(self.values) // 10
+        return 1 + parts // 20
+
 
 class Actions:
     """Runs actions on the values of a moment (see :class:`fsm.chart.executable.Runtime`)."""

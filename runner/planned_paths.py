@@ -132,7 +132,7 @@ class _Walk:
             if key in seen:
                 continue
             seen.add(key)
-            self.taken += 1 + (len(moment.active) + len(moment.pending)) // 20
+            self.taken += moment.size
             for following in self.following(moment):
                 heappush(queue, (following.charge, next(order), following))
                 if self.work >= MAX_WORK:
@@ -322,7 +322,7 @@ class _Walk:
 
     def take(self, moment: Moment, edge: Edge, place: Place) -> Moment:
         """The moment after a transition, taken while the vehicle is at a place."""
-        self.taken += 1 + (len(moment.active) + len(moment.pending)) // 20
+        self.taken += moment.size
         domain = transition_domain(edge, moment.memories.get)
         values = list(moment.values)
         actions = Actions(values)

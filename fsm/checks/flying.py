@@ -220,13 +220,18 @@ def _during(behavior: BehaviorInfo | None, air: Air) -> Air:
 
 def _endless_landings(graph: Graph, dead: Collection[Edge]) -> Iterator[Fault]:
     """Landings after which it takes off again, for ever unless something goes wrong."""
+    led = {
+        edge: entry_set(edge.domain, edge.targets, _anything).states
+        for node in graph.nodes
+        for edge in node.edges()
+        if edge.domain is not None and edge not in dead and not _goes_wrong(graph, edge)
+    }
     following = {
         node: [
             entered
             for place in _together(graph, node)
             for edge in place.edges()
-            if edge.domain is not None and edge not in dead and not _goes_wrong(graph, edge)
-            for entered in entry_set(edge.domain, edge.targets, _anything).states
+            for entered in led.get(edge, ())
         ]
         for node in graph.nodes
         if not node.children
