@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, TYPE_CHECKING, Any, cast
 
 import click
+from click.core import ParameterSource
 
 from behaviors import Pilot
 from cli.options import (
@@ -32,11 +33,13 @@ from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal import backend_names
 from runner import missions
+from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
 from runner.camera_file import joined, read_camera_file
-from runner.loop import Plan, Watcher, fly
+from runner.loop import Watcher, fly
 from runner.pace import Pace
-from runner.preparation import prepare
+from runner.plan import Plan
+from runner.preparation import Prepared, prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
@@ -46,7 +49,13 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("mission", type=MissionName())
+@click.argument("mission", type=MissionName(), required=False)
+@click.option(
+    "--again",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Repeat a run from its run folder, with all its settings, instead of flying MISSION.",
+)
 @click.option(
     "--backend", type=Word(backend_names()), default="sim", show_default=True, help="What flies it."
 )
@@ -125,10 +134,11 @@ if TYPE_CHECKING:
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
-@click.pass_obj
+@click.pass_context
 def run(
-    out: Output,
-    mission: str,
+    context: click.Context,
+    mission: str | None,
+    again: Path | None,
     backend: str,
     connect: str | None,
     world: str | None,
@@ -154,39 +164,78 @@ def run(
     130 interrupted (and landed). Ctrl-C once asks the mission to stop, twice lands at once, thrice
     stops the program.
     """
-    with user_code(call_limit) as limit:
-        prepared = prepare(missions.find(mission), world, calls=limit.calls)
-    doubtful: list[Fault] = []
-    values = parse_parameters(prepared.graph, parameters, doubtful)
-    for fault in (*prepared.graph.warnings, *doubtful):
-        click.echo(str(fault), err=True)
-    settings: dict[str, object] = {}
-    if backend == "sim":
-        settings = {
-            "noise": noise,
-            "cameras": joined(read_camera_file(camera_file), wanted_cameras)
-            if camera_file
-            else wanted_cameras,
-            "renderer": renderer,
-            "shadows": shadows,
-        }
-    plan = replace(
-        Plan.alone(prepared, values, backend=backend, seed=seed, settings=settings),
-        address=connect,
-        profile=limit_settings.profile,
-        limits=limit_settings.limits,
-    )
+    if again is not None:
+        _refuse_settings_beside_again(context)
+        plan, call_limit = _plan_again(again)
+    elif mission is None:
+        raise click.MissingParameter(ctx=context, param_hint="'MISSION'", param_type="argument")
+    else:
+        own: dict[str, object] = {}
+        if backend == "sim":
+            in_file = read_camera_file(camera_file) if camera_file else {}
+            own = {
+                "noise": noise,
+                "cameras": joined(in_file, wanted_cameras),
+                "renderer": renderer,
+                "shadows": shadows,
+            }
+        with user_code(call_limit) as limit:
+            prepared = prepare(missions.find(mission), world, calls=limit.calls)
+        plan = replace(
+            Plan.alone(
+                prepared,
+                _parameter_values(prepared, parameters),
+                backend=backend,
+                seed=seed,
+                settings=own,
+            ),
+            address=connect,
+            profile=limit_settings.profile,
+            limits=limit_settings.limits,
+            camera_file=camera_file,
+        )
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-        folder = new_folder(runs_dir, stamp, prepared.graph.name)
-        recorder = Recorder(folder, frames=not no_frames)
-        if camera_file is not None:
-            recorder.keep([camera_file], camera_file.parent)
-        return recorder
+        folder = new_folder(runs_dir, stamp, plan.mission_name)
+        return Recorder(folder, frames=not no_frames)
 
-    how = _Shown(None if as_json else out, picture=not no_picture)
+    how = _Shown(None if as_json else context.obj, picture=not no_picture)
     sys.exit(_fly(plan, speed, call_limit, record, how))
+
+
+_BESIDE_AGAIN = ("again", "speed", "runs_dir", "no_frames", "no_picture", "as_json")
+"""Parameters that do not change a flight."""
+
+
+def _refuse_settings_beside_again(context: click.Context) -> None:
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if source is ParameterSource.COMMANDLINE and parameter.name not in _BESIDE_AGAIN:
+            name = max(parameter.opts, key=len)
+            shown = name if name.startswith("-") else name.upper()
+            message = f"--again repeats a run with its own settings: leave out {shown}"
+            raise click.UsageError(message, context)
+
+
+def _plan_again(folder: Path) -> tuple[Plan, float | None]:
+    """The plan of a recorded run, and its limit on calls into people's code."""
+    recorded = Recorded.read(folder)
+    doubt = recorded.doubt()
+    if doubt is not None:
+        click.echo(str(doubt), err=True)
+    call_limit = recorded.settings.call_limit
+    with user_code(call_limit) as limit:
+        return recorded.plan(limit.calls), call_limit
+
+
+def _parameter_values(prepared: Prepared, given: Mapping[str, str]) -> dict[str, Any]:
+    """The values of a mission's parameters; warnings of the mission and of them are shown."""
+    doubtful: list[Fault] = []
+    values = parse_parameters(prepared.graph, given, doubtful)
+    for fault in (*prepared.graph.warnings, *doubtful):
+        click.echo(str(fault), err=True)
+    return values
 
 
 @dataclass(frozen=True)
@@ -211,10 +260,6 @@ def _fly(
 
     def record() -> Recorder:
         made.append(new_recorder())
-        for assignment in plan.assignments.values():
-            prepared = assignment.prepared
-            made[0].keep(prepared.files, prepared.found.path.parent)
-        made[0].keep_world(plan.world)
         return made[0]
 
     try:

@@ -217,6 +217,7 @@ class BaseSession(Generic[V]):
     """
 
     engine = "none"
+    settings: Mapping[str, object] = MappingProxyType({})
     places: Mapping[str, Point] = MappingProxyType({})
     geographic: tuple[float, float, float] | None = None
 

@@ -356,6 +356,12 @@ class Session(Protocol):
         """The name and version of the physics engine or autopilot link: ``pybullet 3.2.7``."""
 
     @property
+    def settings(self) -> Mapping[str, object]:
+        """Its own settings as they hold, defaults included: plain values (as JSON has them) that
+        ``Options.settings`` takes.
+        """
+
+    @property
     def places(self) -> Mapping[str, Point]:
         """Named places of the world, world frame."""
 

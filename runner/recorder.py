@@ -7,8 +7,7 @@ equal runs give equal bytes; runner/run_folder.py knows the formats.
 from __future__ import annotations
 
 import json
-import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -32,7 +31,6 @@ from runner.run_folder import (
     telemetry_row,
 )
 from vencejo.errors import UserError, Where
-from worlds import World
 
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: a killed run may lose one second of them."""
@@ -80,22 +78,13 @@ class Recorder:
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
 
-    def keep(self, files: Iterable[Path], base: Path) -> None:
-        """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
-        for path in files:
-            inside = path.is_relative_to(base)
-            copy = self.folder / (path.relative_to(base) if inside else path.name)
+    def keep(self, files: Mapping[str, bytes]) -> None:
+        """Write copies of files that the flight depends on, by their path in the folder."""
+        for name, content in files.items():
+            copy = self.folder / name
             with writing(copy):
                 copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(path, copy)
-
-    def keep_world(self, world: World) -> None:
-        """Copy a world and the files it names; a generated one is written down."""
-        self.keep(world.files, world.source.parent)
-        if not world.files:
-            copy = self.folder / f"{world.name}.yaml"
-            with writing(copy):
-                copy.write_text(world.text, "utf-8")
+                copy.write_bytes(content)
 
     def begin(self, header: Header) -> None:
         """Write the first lines of events and telemetry."""

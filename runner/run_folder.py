@@ -19,7 +19,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from hal.vehicle import Frame, Intrinsics, Observation, Reading
+from runner.by_vehicle import joined, vehicles_of
 from runner.course import Entered
+from runner.settings import RunSettings, settings_fields, settings_of
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point, Quaternion, roll_pitch_of
 
@@ -30,8 +32,9 @@ READINGS = "readings.jsonl"
 READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
 TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
 _ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
-ALONE = "drone"
-"""The name of a vehicle that flies alone: its run's header and summary need not name it."""
+PICTURE = "flight.png"
+OWN_NAMES = (EVENTS, TELEMETRY, FRAMES, "frames", SUMMARY, READINGS, PICTURE)
+"""Names in a run folder that copies of files cannot have."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130
 """Exit codes of runs that have flown."""
 LAST_ENTERED = 20
@@ -66,6 +69,8 @@ class Header:
     """Name and version of the physics engine or autopilot link."""
     vencejo: str
     """Version of vencejo that flew it."""
+    settings: RunSettings | None = None
+    """None in folders of releases that did not keep them."""
 
 
 @dataclass(frozen=True)
@@ -237,28 +242,19 @@ def header_fields(header: Header) -> dict[str, Any]:
         "backend": header.backend,
         "engine": header.engine,
         "vencejo": header.vencejo,
+        **_settings_fields(header),
     }
-    return _joined(vehicles, run, _HEADER_ORDER)
+    return joined(vehicles, run, _HEADER_ORDER)
+
+
+def _settings_fields(header: Header) -> dict[str, Any]:
+    return {"settings": settings_fields(header.settings)} if header.settings else {}
 
 
 _HEADER_ORDER = (
     *("format", "version", "mission", "mission_sha256", "files_sha256", "vehicles", "world"),
-    *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo"),
+    *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo", "settings"),
 )
-
-
-def _joined(
-    vehicles: Mapping[str, Mapping[str, Any]], run: Mapping[str, Any], order: Sequence[str]
-) -> dict[str, Any]:
-    """The fields of a run and its vehicles; those of one that flies alone stand among the run's."""
-    fields = {**(vehicles[ALONE] if list(vehicles) == [ALONE] else {"vehicles": vehicles}), **run}
-    return {name: fields[name] for name in order if name in fields}
-
-
-def _vehicles(fields: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
-    """The fields of each vehicle, from those of a run."""
-    vehicles: Mapping[str, Mapping[str, Any]] = fields.get("vehicles", {ALONE: fields})
-    return vehicles
 
 
 def entry_fields(
@@ -349,18 +345,19 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
         "seed": header.seed,
         "backend": header.backend,
         "engine": header.engine,
+        **_settings_fields(header),
         "versions": dict(summary.versions),
         **({"unrecorded": summary.unrecorded} if summary.unrecorded else {}),
         "run_folder": str(folder) if folder else None,
     }
-    return _joined(vehicles, run, _SUMMARY_ORDER)
+    return joined(vehicles, run, _SUMMARY_ORDER)
 
 
 _SUMMARY_ORDER = (
     *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
     *("left_ground", "battery_left", "entered", "collisions", "vehicles"),
-    *("world", "parameters", "seed", "backend", "engine"),
+    *("world", "parameters", "seed", "backend", "engine", "settings"),
     *("versions", "unrecorded", "run_folder"),
 )
 """Order of the keys for a person to read: the results come first."""
@@ -393,21 +390,31 @@ def read_run(folder: Path | str) -> Run:
     """
     folder = Path(folder)
     missing: list[str] = []
-    lines = _lines(folder / EVENTS, missing)
-    if not lines:
-        message = f"'{folder}' is no run folder: {missing[0]}"
-        raise UserError("no-run", message, Where(str(folder)), "name one of `runs/`")
-    header = _header(folder / EVENTS, lines[0])
+    header, lines = _begun(folder, missing)
     return Run(
         folder=folder,
         header=header,
-        events=tuple(_each(folder / EVENTS, lines[1:], _entry)),
+        events=tuple(_each(folder / EVENTS, lines, _entry)),
         telemetry=_telemetry(folder / TELEMETRY, missing),
         frames=tuple(_frames(folder, missing)),
         readings=tuple(_readings(folder / READINGS, missing)),
         summary=_summary(folder / SUMMARY, header, missing),
         missing=tuple(missing),
     )
+
+
+def read_header(folder: Path) -> Header:
+    """Read what made a run what it is. Raises UserError like :func:`read_run`."""
+    return _begun(folder, [])[0]
+
+
+def _begun(folder: Path, missing: list[str]) -> tuple[Header, list[bytes]]:
+    """The header of a run, and the other lines of its events; what is not there is ``missing``."""
+    lines = _lines(folder / EVENTS, missing)
+    if not lines:
+        message = f"'{folder}' is no run folder: {missing[0]}"
+        raise UserError("no-run", message, Where(str(folder)), "name one of `runs/`")
+    return _header(folder / EVENTS, lines[0]), lines[1:]
 
 
 def _lines(path: Path, missing: list[str]) -> list[bytes]:
@@ -484,7 +491,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
                 parameters=mission["parameters"],
                 files=mission.get("files_sha256", {}),
             )
-            for vehicle, mission in _vehicles(fields).items()
+            for vehicle, mission in vehicles_of(fields).items()
         },
         world=fields["world"],
         world_sha256=fields["world_sha256"],
@@ -492,6 +499,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
         backend=fields["backend"],
         engine=fields["engine"],
         vencejo=fields["vencejo"],
+        settings=settings_of(fields["settings"]) if "settings" in fields else None,
     )
 
 
@@ -601,7 +609,7 @@ def _summary(path: Path, header: Header, missing: list[str]) -> Summary | None:
 def _summary_of(fields: Mapping[str, Any], header: Header) -> Summary:
     return Summary(
         header=header,
-        vehicles={vehicle: _flown_of(flown) for vehicle, flown in _vehicles(fields).items()},
+        vehicles={vehicle: _flown_of(flown) for vehicle, flown in vehicles_of(fields).items()},
         wall_time=fields["wall_time_s"],
         interrupted=fields["exit_code"] == INTERRUPTED,
         versions=fields["versions"],

@@ -16,12 +16,11 @@ from cli.plot.axes import FRAME, LABEL, Axes, axes_from_above, axes_over
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
 from cli.plot.lanes import Lane, lanes_of, states_of
 from hal import PERIOD
-from runner.run_folder import Run, Sample, read_run
+from runner.run_folder import PICTURE, Run, Sample, read_run
 from vencejo.errors import UserError, Where, cannot_write
 from vencejo.files import write_whole
 from worlds import World, load_world, outlines_of
 
-NAME = "flight.png"
 _WIDTH = 1280
 _MAP = Box(58, 62, 588, 592)
 _LEFT, _RIGHT = 652, _WIDTH - 16
@@ -85,7 +84,7 @@ def draw(folder: Path) -> Path:
     flights = flights_of(run)
     if not flights:
         raise UserError("no-run", "this run has no telemetry", Where(str(folder)))
-    path = folder / NAME
+    path = folder / PICTURE
     try:
         write_whole(path, picture(run, flights, world_of(run)))
     except OSError as error:
@@ -96,7 +95,9 @@ def draw(folder: Path) -> Path:
 
 def world_of(run: Run) -> World | None:
     """The world of a run as its folder keeps it; None where it is not there or not readable."""
-    for path in sorted(run.folder.glob("*.yaml")):
+    kept = run.header.settings
+    paths = [run.folder / kept.world] if kept else sorted(run.folder.glob("*.yaml"))
+    for path in paths:
         with suppress(UserError, OSError):
             world = load_world(path)
             if world.sha256 == run.header.world_sha256:

@@ -13,7 +13,7 @@ from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
 from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.rangefinder import SimRangefinder
-from hal.sim.settings import read_settings
+from hal.sim.settings import plain_settings, read_settings
 from hal.sim.starts import start_poses
 from hal.sim.vehicle import STEPS_PER_PERIOD, SimVehicle
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
@@ -36,6 +36,7 @@ class SimSession:
         alone = len(options.vehicles) == 1
         self._physics: Physics | None = physics
         self._engine = physics.name
+        self._settings = plain_settings(settings)
         self._places = world.places
         origin = world.origin
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
@@ -83,6 +84,10 @@ class SimSession:
     @property
     def engine(self) -> str:
         return self._engine
+
+    @property
+    def settings(self) -> Mapping[str, object]:
+        return self._settings
 
     @property
     def places(self) -> Mapping[str, Point]:

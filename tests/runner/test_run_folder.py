@@ -20,10 +20,11 @@ from hypothesis import strategies as st
 from behaviors import Pilot
 from fsm import parse_parameters
 from fsm.engine.instance import Record
+from hal.limits import Limits
 from hal.vehicle import Frame, Intrinsics, Observation
 from runner import Plan, Recorder, Summary, fly, missions, prepare, read_run
+from runner.by_vehicle import ALONE
 from runner.run_folder import (
-    ALONE,
     Flown,
     Header,
     LogEntry,
@@ -32,6 +33,7 @@ from runner.run_folder import (
     Sample,
     summary_fields,
 )
+from runner.settings import MissionSettings, RunSettings
 from vencejo.errors import UserError
 from vencejo.geometry import Point, about_y, product, roll_pitch_of, yaw_quaternion
 
@@ -320,12 +322,20 @@ LENSES = st.builds(
     Intrinsics, *[st.integers(1, 999)] * 2, *[NUMBERS] * 4, st.lists(NUMBERS, max_size=5).map(tuple)
 )
 
+OWN = st.dictionaries(st.sampled_from(["noise", "cameras", "wind"]), NUMBERS | MAPS, max_size=2)
+LIMITS = st.builds(Limits, max_speed=st.none() | st.floats(0.1, 9))
+VALUES = st.dictionaries(NAMES, NUMBERS | WORDS | POINTS | st.lists(POINTS, max_size=2), max_size=2)
+
 
 @st.composite
 def headers(draw: st.DrawFn) -> Header:
     missions = {vehicle: draw(MISSIONS) for vehicle in draw(VEHICLES)}
     words = [draw(WORDS) for _ in range(4)]
-    return Header(missions, words[0], draw(HASHES), draw(st.integers()), *words[1:])
+    known = draw(st.none() | st.builds(dict, seed=st.integers(), own=OWN, limits=LIMITS))
+    flown = {name: MissionSettings(draw(WORDS), draw(VALUES)) for name in missions}
+    files = draw(st.dictionaries(WORDS, HASHES, max_size=2))
+    settings = RunSettings(flown, draw(WORDS), files, draw(WORDS), **known) if known else None
+    return Header(missions, words[0], draw(HASHES), draw(st.integers()), *words[1:], settings)
 
 
 def pilot_of(vehicle: str, seen: Observation, records: list[Record], states: list[str]) -> Pilot:

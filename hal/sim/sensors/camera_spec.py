@@ -105,6 +105,12 @@ def read_cameras(given: object) -> dict[str, CameraSpec]:
     return found
 
 
+def plain_camera(spec: CameraSpec) -> dict[str, object]:
+    """All settings of a camera as plain values, which :func:`read_cameras` takes."""
+    values = {setting: getattr(spec, field) for setting, field in _SETTINGS.items()}
+    return values | {"at": list(spec.at), "distortion": list(spec.distortion)}
+
+
 def _checked(name: str, spec: CameraSpec) -> CameraSpec:
     for key, (low, high) in _RANGES.items():
         value = getattr(spec, _SETTINGS[key])
