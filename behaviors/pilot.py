@@ -182,6 +182,12 @@ class Pilot:
         """True once the mission has ended and the vehicle has landed."""
         return self.outcome is not None and self._is_down()
 
+    @property
+    def manoeuvre(self) -> str:
+        """The verb of the order that the vehicle flies in this period, for records; else empty."""
+        order = self.landing or self.channel.order
+        return "" if order is None or order.ended else order.verb
+
     def period(self, dt: float = PERIOD) -> None:
         """Run one mission period, ``dt`` seconds after the last one.
 
@@ -318,6 +324,7 @@ class Pilot:
                 self._land()
             raise VehicleError("cannot-land", f"the vehicle did not land within {timeout:.0f} s")
         if landing is None and self._ended_for < HOLD_BEFORE_LANDING and seen.flying:
+            self.channel.commanded = Hold()
             self.vehicle.command(Hold())
         elif landing is None or (not self._goes_aside(seen, landing) and self._may_ask(landing)):
             self._land()

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from runner.plan import Assignment, Plan
     from runner.preparation import Prepared, prepare
     from runner.recorder import Recorder, new_folder
-    from runner.run_folder import Flown, Header, Run, Sample, Summary, read_run
+    from runner.run_folder import Flown, Header, Run, Summary, read_run
+    from runner.telemetry import Sample
     from runner.testing import MissionFlight, fly_mission, graph_of
 
 __all__ = [
@@ -49,7 +50,8 @@ _MODULES = {
     "plan": ("Assignment", "Plan"),
     "preparation": ("Prepared", "prepare"),
     "recorder": ("Recorder", "new_folder"),
-    "run_folder": ("Flown", "Header", "Run", "Sample", "Summary", "read_run"),
+    "run_folder": ("Flown", "Header", "Run", "Summary", "read_run"),
+    "telemetry": ("Sample",),
     "testing": ("MissionFlight", "fly_mission", "graph_of"),
 }
 

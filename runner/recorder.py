@@ -14,7 +14,7 @@ from pathlib import Path
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
-from hal.vehicle import Frame, Observation, Reading
+from hal.vehicle import Frame, Observation, Reading, Setpoint
 from runner.appended_file import AppendedFile, as_json, encode, writing
 from runner.frames import FrameFiles
 from runner.readings import ReadingFile
@@ -22,14 +22,13 @@ from runner.run_folder import (
     EVENTS,
     SUMMARY,
     TELEMETRY,
-    TELEMETRY_COLUMNS,
     Header,
     Summary,
     entry_fields,
     header_fields,
     summary_fields,
-    telemetry_row,
 )
+from runner.telemetry import COLUMNS, row_of
 from vencejo.errors import UserError, Where
 
 _ROWS_AT_ONCE = 40
@@ -65,7 +64,7 @@ class Recorder:
         """``frames``: whether the camera frames that were read are kept."""
         self.folder = folder
         self._sequence = 0
-        self._rows: list[tuple[Observation, str, Sequence[str]]] = []
+        self._rows: list[tuple[Observation, str, Sequence[str], Setpoint | None, str]] = []
         self._states: dict[str, Sequence[str]] = {}
         """Paths of the active leaf states, by vehicle."""
         place = folder.absolute()  # a person's code may go to another folder in flight
@@ -89,7 +88,7 @@ class Recorder:
     def begin(self, header: Header) -> None:
         """Write the first lines of events and telemetry."""
         self._events.append([encode(header_fields(header))])
-        self._telemetry.append([TELEMETRY_COLUMNS])
+        self._telemetry.append([COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
         """Record the frames and readings that the behaviours of this pilot read."""
@@ -110,7 +109,8 @@ class Recorder:
         seen = pilot.channel.world
         vehicle = pilot.vehicle.name
         # Formatted many at a time: one by one they would take twice as long.
-        self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
+        told = pilot.channel.commanded, pilot.manoeuvre
+        self._rows.append((seen, vehicle, self._states.get(vehicle, ()), *told))
         if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
         if self._unwritten_frames:
@@ -137,7 +137,7 @@ class Recorder:
 
     def _write_rows(self) -> None:
         rows, self._rows = self._rows, []
-        self._telemetry.append([telemetry_row(*row) for row in rows])
+        self._telemetry.append([row_of(*row) for row in rows])
 
     def _write_frames(self) -> None:
         read, self._unwritten_frames = self._unwritten_frames, []

@@ -13,25 +13,24 @@ import csv
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import lru_cache
+from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
-from hal.vehicle import Frame, Intrinsics, Observation, Reading
+from hal.vehicle import Frame, Intrinsics, Reading
 from runner.by_vehicle import joined, vehicles_of
 from runner.course import Entered
 from runner.settings import RunSettings, settings_fields, settings_of
+from runner.telemetry import COLUMNS, KNOWN_COLUMNS, Sample, sample_of
 from vencejo.errors import UserError, Where
-from vencejo.geometry import Point, Quaternion, roll_pitch_of
+from vencejo.geometry import Point, Quaternion
 
 EVENTS, TELEMETRY, FRAMES, SUMMARY = "events.jsonl", "telemetry.csv", "frames.jsonl", "summary.json"
 EVENTS_FORMAT, EVENTS_VERSION = "vencejo.events", 1
 FRAMES_FORMAT, FRAMES_VERSION = "vencejo.frames", 1
 READINGS = "readings.jsonl"
 READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
-TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
-_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
 PICTURE = "flight.png"
 OWN_NAMES = (EVENTS, TELEMETRY, FRAMES, "frames", SUMMARY, READINGS, PICTURE)
 """Names in a run folder that copies of files cannot have."""
@@ -83,27 +82,6 @@ class LogEntry:
     vehicle: str
     kind: str
     fields: Mapping[str, Any]
-
-
-class Sample(NamedTuple):
-    """One row of ``telemetry.csv``: a vehicle's state at the end of a mission period."""
-
-    time: float
-    """Seconds of the vehicle's clock."""
-    position: Point
-    """World frame, metres."""
-    velocity: Point
-    """World frame, m/s."""
-    roll: float
-    """Radians, as pitch and yaw."""
-    pitch: float
-    yaw: float
-    """Counter-clockwise from east."""
-    battery: float
-    """Charge left, 0 to 1."""
-    mode: str
-    states: tuple[str, ...]
-    """Paths of the active leaf states of its mission; none once it has ended."""
 
 
 @dataclass(frozen=True)
@@ -262,21 +240,6 @@ def entry_fields(
 ) -> dict[str, Any]:
     """Any other line of ``events.jsonl``, as an object for JSON."""
     return {"seq": sequence, "t": time, "vehicle": vehicle, "kind": kind, **fields}
-
-
-def telemetry_row(seen: Observation, vehicle: str, states: Sequence[str]) -> str:
-    """A row of ``telemetry.csv`` without its end; ``seen`` is of the world frame."""
-    roll, pitch = roll_pitch_of(seen.attitude)
-    place = (seen.time, _cell(vehicle), *seen.position, *seen.velocity)
-    mode, state = _cell(seen.mode), _cell("|".join(states))
-    return _ROW % (*place, roll, pitch, seen.yaw, seen.battery, mode, state)
-
-
-@lru_cache(maxsize=256)
-def _cell(text: str) -> str:
-    """A text in one cell of a line of CSV (RFC 4180): an autopilot may call its mode anything."""
-    text = text.replace("\r", " ").replace("\n", " ")
-    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
 
 
 def frames_header() -> dict[str, Any]:
@@ -520,26 +483,14 @@ def _telemetry(path: Path, missing: list[str]) -> dict[str, tuple[Sample, ...]]:
     lines = _lines(path, missing)
     if not lines:
         return {}
-    if lines[0].decode("utf-8", "replace") != TELEMETRY_COLUMNS:
-        message = f"its columns are not {TELEMETRY_COLUMNS}"
+    columns = lines[0].decode("utf-8", "replace")
+    if columns not in KNOWN_COLUMNS:
+        message = f"its columns are not {COLUMNS}"
         raise UserError("unknown-run-format", message, Where(str(path), 1, 1))
     found: dict[str, list[Sample]] = {}
-    for vehicle, sample in _each(path, lines[1:], _sample):
+    for vehicle, sample in _each(path, lines[1:], partial(sample_of, columns=columns)):
         found.setdefault(vehicle, []).append(sample)
     return {vehicle: tuple(samples) for vehicle, samples in found.items()}
-
-
-def _sample(line: bytes) -> tuple[str, Sample]:
-    """A vehicle's name and its sample."""
-    (cells,) = csv.reader([line.decode()], strict=True)
-    columns = TELEMETRY_COLUMNS.count(",") + 1
-    if len(cells) != columns:
-        raise ValueError(f"it has {len(cells)} columns, not {columns}")
-    time, vehicle, *numbers, mode, state = cells
-    x, y, z, vx, vy, vz, roll, pitch, yaw, battery = map(float, numbers)
-    position, velocity = Point(x, y, z), Point(vx, vy, vz)
-    states = tuple(state.split("|")) if state else ()
-    return vehicle, Sample(float(time), position, velocity, roll, pitch, yaw, battery, mode, states)
 
 
 def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
