@@ -39,6 +39,7 @@ from runner.camera_file import joined, read_camera_file
 from runner.loop import Watcher, fly
 from runner.pace import Pace
 from runner.plan import Plan
+from runner.posts import Post, parse_posts
 from runner.preparation import Prepared, prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
@@ -114,6 +115,14 @@ if TYPE_CHECKING:
 @renderer_option
 @shadows_option
 @click.option(
+    "--post",
+    "posts",
+    multiple=True,
+    metavar="TIME:EVENT",
+    help="Tell the mission an event that long after its start, for instance --post 6s:battery.low "
+    "or --post '6s:tag.seen{id: 3}'. Repeatable.",
+)
+@click.option(
     "--runs-dir",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("runs"),
@@ -151,6 +160,7 @@ def run(
     camera_file: Path | None,
     renderer: str,
     shadows: bool,
+    posts: tuple[str, ...],
     runs_dir: Path,
     no_frames: bool,
     no_picture: bool,
@@ -181,14 +191,10 @@ def run(
             }
         with user_code(call_limit) as limit:
             prepared = prepare(missions.find(mission), world, calls=limit.calls)
+        values, told = _values_of(prepared, parameters, posts)
         plan = replace(
-            Plan.alone(
-                prepared,
-                _parameter_values(prepared, parameters),
-                backend=backend,
-                seed=seed,
-                settings=own,
-            ),
+            Plan.alone(prepared, values, backend=backend, seed=seed, settings=own),
+            posts=told,
             address=connect,
             profile=limit_settings.profile,
             limits=limit_settings.limits,
@@ -229,13 +235,16 @@ def _plan_again(folder: Path) -> tuple[Plan, float | None]:
         return recorded.plan(limit.calls), call_limit
 
 
-def _parameter_values(prepared: Prepared, given: Mapping[str, str]) -> dict[str, Any]:
-    """The values of a mission's parameters; warnings of the mission and of them are shown."""
+def _values_of(
+    prepared: Prepared, parameters: Mapping[str, str], posts: Sequence[str]
+) -> tuple[dict[str, Any], tuple[Post, ...]]:
+    """The values of a mission's parameters, and the events it is told; all warnings are shown."""
     doubtful: list[Fault] = []
-    values = parse_parameters(prepared.graph, given, doubtful)
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    told = parse_posts(prepared.graph, posts, doubtful)
     for fault in (*prepared.graph.warnings, *doubtful):
         click.echo(str(fault), err=True)
-    return values
+    return values, told
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,7 @@ class Recorded:
             settings.profile,
             settings.limits,
             folder / settings.camera_file if settings.camera_file else None,
+            settings.post,
         )
         if plan.world.sha256 != self.header.world_sha256:
             where = Where(world)

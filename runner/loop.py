@@ -24,6 +24,7 @@ from runner.course import Entered, collisions, entered
 from runner.kept_files import KeptFiles, file_hash, kept_files
 from runner.pace import Pace
 from runner.plan import Assignment, Plan
+from runner.posts import Post
 from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
 from runner.run_folder import LAST_ENTERED, Flown, Header, MissionFacts, Summary
@@ -31,6 +32,9 @@ from runner.settings import MissionSettings, RunSettings
 from vencejo.errors import UserError, VehicleError, Where
 from vencejo.geometry import Point, distance
 from vencejo.version import __version__
+
+_EPSILON = 1e-9
+"""Seconds within which two times count as equal."""
 
 
 class Watcher(Protocol):
@@ -64,6 +68,8 @@ class _Craft:
     collisions: Counter[str] = field(default_factory=Counter)
     failure: VehicleError | None = None
     """The error because of which it could not be landed; None for none."""
+    posts: deque[Post] = field(default_factory=deque)
+    """Events that its mission is still to be told, the next one first."""
     has_defect: bool = False
     """Whether an exception that nobody expected has ended its mission."""
     _last: Point | None = None
@@ -75,6 +81,8 @@ class _Craft:
 
     def period(self, dt: float) -> None:
         """Fly a mission period of ``dt`` seconds."""
+        if self.posts:
+            self._post()
         try:
             self.pilot.period(dt)
         except VehicleError as error:
@@ -97,6 +105,13 @@ class _Craft:
         self._last = position
         if channel.world.events:
             self.collisions.update(collisions(channel.world))
+
+    def _post(self) -> None:
+        """Tell its mission the events whose time has come."""
+        seen = self.pilot.vehicle.observe()
+        while self.posts and seen.time - self.start >= self.posts[0].time - _EPSILON:
+            post = self.posts.popleft()
+            self.pilot.instance.post(post.event, post.fields_at(seen))
 
     def lose(self, error: VehicleError) -> None:
         """It or its backend has failed: order the landing all the same."""
@@ -313,7 +328,7 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
         set_limits(pilot.channel, plan.profile, **plan.limits.given())
     except EvaluationError as error:
         raise UserError("bad-limit", f"'{name}': {error}", Where("--limit")) from None
-    return _Craft(pilot, seen.time - dt)
+    return _Craft(pilot, seen.time - dt, posts=deque(plan.posts))
 
 
 def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) -> Header:
@@ -341,6 +356,7 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
             limits=plan.limits,
             call_limit=limit.seconds,
             camera_file=files.camera_file,
+            post=plan.posts,
             own={**session.settings, **unlisted},
         ),
     )

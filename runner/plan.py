@@ -9,6 +9,7 @@ from typing import Any, Self
 
 from hal import Limits
 from runner.by_vehicle import ALONE
+from runner.posts import Post
 from runner.preparation import Prepared
 from worlds import World
 
@@ -49,6 +50,8 @@ class Plan:
     """Limits of flight that override the profile's, altitudes above home."""
     camera_file: Path | None = None
     """The file from which its cameras were set, to be kept with the run."""
+    posts: tuple[Post, ...] = ()
+    """Events that every mission is told, in the order of their times."""
 
     def __post_init__(self) -> None:
         worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}

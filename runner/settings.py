@@ -9,6 +9,7 @@ from typing import Any
 from fsm.values.packing import pack, unpack
 from hal.limits import Limits
 from runner.by_vehicle import joined, vehicles_of
+from runner.posts import Post, post_fields, post_of
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,15 @@ class RunSettings:
     call_limit: float | None = None
     """Seconds that a call into people's code may take; None for any time."""
     camera_file: str | None = None
+    post: tuple[Post, ...] = ()
+    """Events that every mission was told, in the order of their times."""
     own: Mapping[str, Any] = field(default_factory=dict)
     """Settings of that backend only, such as the simulator's ``noise``."""
 
 
 _RUN = ("seed", "backend", "connect", "profile", "limits", "call_limit", "camera_file")
-_ORDER = ("mission", "parameters", "vehicles", "world", *_RUN)
+"""Settings that stand in files as they are, but for limits."""
+_ORDER = ("mission", "parameters", "vehicles", "world", *_RUN, "post")
 
 
 def settings_fields(settings: RunSettings) -> dict[str, Any]:
@@ -60,7 +64,8 @@ def settings_fields(settings: RunSettings) -> dict[str, Any]:
         for vehicle, mission in settings.missions.items()
     }
     run = {name: getattr(settings, name) for name in ("world", *_RUN)}
-    ours = joined(vehicles, run | {"limits": settings.limits.given()}, _ORDER)
+    run |= {"limits": settings.limits.given(), "post": list(map(post_fields, settings.post))}
+    ours = joined(vehicles, run, _ORDER)
     others = {name: value for name, value in settings.own.items() if name not in ours}
     return {**ours, **others, "files": dict(settings.files)}
 
@@ -77,5 +82,6 @@ def settings_of(fields: Mapping[str, Any]) -> RunSettings:
         files=fields["files"],
         **{name: fields[name] for name in _RUN if name != "limits"},
         limits=Limits(**fields["limits"]),
+        post=tuple(map(post_of, fields["post"])),
         own={name: value for name, value in fields.items() if name not in known},
     )
