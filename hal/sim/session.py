@@ -8,6 +8,7 @@ from types import MappingProxyType
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
 from hal.sim.airframe import Airframe
+from hal.sim.battery import Battery
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
@@ -33,6 +34,7 @@ class SimSession:
         starts = start_poses(world, options.vehicles, airframe.size)
         physics.add_things(world.things, world.ground.terrain)
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
+        chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
         alone = len(options.vehicles) == 1
         self._physics: Physics | None = physics
         self._engine = physics.name
@@ -47,7 +49,7 @@ class SimSession:
                 physics,
                 airframe=airframe,
                 start=start,
-                charge=world.battery,
+                battery=Battery(airframe, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
                 obstacles=obstacles if alone else None,
             )
