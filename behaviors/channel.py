@@ -50,6 +50,8 @@ class Channel:
         """The step that the session made to this period, seconds."""
         self.setpoint: Setpoint | None = None
         """The set-point commanded in this period, mission frame; None for none yet."""
+        self.commanded: Setpoint | None = None
+        """The set-point that the vehicle was given in this period, world frame: for records."""
         self.order: Order | None = None
         """The last manoeuvre that the active behaviour ordered, unless a set-point followed it."""
         self.on_frame: Callable[[str, Frame], None] = _ignore
@@ -75,7 +77,7 @@ class Channel:
             seen = seen._replace(position=position, home=home)
         self.observation = seen
         """Position and home in the mission frame."""
-        self.setpoint = None
+        self.setpoint = self.commanded = None
         return self.observation
 
     @property
@@ -88,6 +90,7 @@ class Channel:
         setpoint = self.setpoint
         if isinstance(setpoint, Position) and not self.frame.is_world:
             setpoint = setpoint._replace(xyz=self.frame.to_world(setpoint.xyz))
+        self.commanded = setpoint
         return ACCEPTED if setpoint is None else self.vehicle.command(setpoint)
 
     def configure(self, limits: Limits) -> Answer:

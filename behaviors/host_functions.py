@@ -1,4 +1,4 @@
-"""Functions that every mission may `call`: limits and lights of its own vehicle.
+"""Functions that every mission may `call`: limits, lights and battery of its own vehicle.
 
 A refusal by the vehicle becomes ``error.execution`` in the mission.
 """
@@ -13,8 +13,10 @@ from behaviors.channel import Channel
 from fsm.host import Function, Parameter
 from fsm.values.functions import EvaluationError
 from fsm.values.types import TEXT, Number, Text
+from hal.base import not_to_be_swapped
 from hal.lights import COLORS, PATTERNS, Lights
 from hal.limits import DIMENSIONS, Limits
+from hal.orders import Order
 from hal.vehicle import Unavailable
 from vencejo.errors import UserError, nearest
 from vencejo.units import FREQUENCY, TIME
@@ -55,7 +57,20 @@ def show_lights(channel: Channel, **settings: Any) -> None:
         raise EvaluationError(str(error)) from None
 
 
-HostFunction = Callable[..., None]
+def swap_battery(channel: Channel) -> Order:
+    """Take a full battery. Raises EvaluationError where that cannot be done now."""
+    seen = channel.observation
+    reason = not_to_be_swapped(aloft=seen.flying, armed=seen.armed)
+    if reason:
+        raise EvaluationError(f"the battery cannot be swapped now: {reason}")
+    try:
+        return channel.vehicle.swap_battery()
+    except Unavailable as error:
+        raise EvaluationError(str(error)) from None
+
+
+HostFunction = Callable[..., Order | None]
+"""Gives its order, where the vehicle may still refuse it."""
 HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
     {
         "limits": (
@@ -82,6 +97,14 @@ HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
                 },
             ),
             show_lights,
+        ),
+        "swap_battery": (
+            Function(
+                "swap_battery",
+                "Take a full battery: on the ground with the motors off, otherwise it is "
+                "error.execution. Needs the capability battery.swap.",
+            ),
+            swap_battery,
         ),
     }
 )

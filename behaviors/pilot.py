@@ -89,6 +89,8 @@ class Pilot:
         self._calls = calls or Calls()
         self._lapses: set[str] = set()
         """What people's code did wrong in this period where no outcome could tell it."""
+        self._called: list[Order] = []
+        """Orders of functions that the mission called, not ended yet."""
         self._ended_for = 0.0
         """Seconds since the mission ended in the air, or it was heard again after a silence,
         without those in which others are known to fly.
@@ -162,7 +164,9 @@ class Pilot:
             if self.instance.is_controlled(name):
                 raise EvaluationError(f"a behaviour controls the {name} now")
             _, run = HOST_FUNCTIONS[name]
-            run(self.channel, **arguments)
+            order = run(self.channel, **arguments)
+            if order is not None:
+                self._called.append(order)
             return
         function = self.instance.graph.vocabulary.functions[name].implementation
         try:
@@ -182,6 +186,12 @@ class Pilot:
         """True once the mission has ended and the vehicle has landed."""
         return self.outcome is not None and self._is_down()
 
+    @property
+    def manoeuvre(self) -> str:
+        """The verb of the order that the vehicle flies in this period, for records; else empty."""
+        order = self.landing or self.channel.order
+        return "" if order is None or order.ended else order.verb
+
     def period(self, dt: float = PERIOD) -> None:
         """Run one mission period, ``dt`` seconds after the last one.
 
@@ -192,6 +202,8 @@ class Pilot:
         if self.outcome is None:
             if self._lapses:
                 self._lapses.clear()
+            if self._called:
+                self._hear_of_called()
             for name, fields in self._watch.events(seen, dt):
                 if name == "vehicle.late":
                     self.instance.record("late", **fields)
@@ -206,6 +218,14 @@ class Pilot:
             self._bring_down(dt)
         elif self.landing is None:
             self._command()
+
+    def _hear_of_called(self) -> None:
+        """Tell the mission which orders of its functions were refused or lost."""
+        for order in self._called:
+            if order.state in ("refused", "lost"):
+                message = f"{order.verb}: {order.reason}"
+                self.instance.post("error.execution", {"message": message, "where": "call"})
+        self._called = [order for order in self._called if not order.ended]
 
     def _note(self, seen: Observation) -> None:
         """Record a jump of the world frame, and changes of link and authority."""
@@ -318,6 +338,7 @@ class Pilot:
                 self._land()
             raise VehicleError("cannot-land", f"the vehicle did not land within {timeout:.0f} s")
         if landing is None and self._ended_for < HOLD_BEFORE_LANDING and seen.flying:
+            self.channel.commanded = Hold()
             self.vehicle.command(Hold())
         elif landing is None or (not self._goes_aside(seen, landing) and self._may_ask(landing)):
             self._land()

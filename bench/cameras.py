@@ -30,7 +30,8 @@ from fsm.engine.instance import Record
 from hal.renderers import open_renderer, renderer_names
 from hal.vehicle import Intrinsics
 from runner import missions
-from runner.loop import Plan, fly
+from runner.loop import fly
+from runner.plan import Plan
 from runner.preparation import prepare
 from runner.recorder import Recorder
 from vencejo.errors import UserError

@@ -32,8 +32,9 @@ from hal.sim.bullet import Bullet
 from hal.sim.physics import GRAVITY
 from hal.sim.vehicle import STEPS_PER_PERIOD
 from runner import missions
-from runner.loop import Plan, Watcher, fly
+from runner.loop import Watcher, fly
 from runner.pace import Pace
+from runner.plan import Plan
 from runner.preparation import prepare
 from runner.recorder import Recorder
 

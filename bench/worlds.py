@@ -21,7 +21,8 @@ from fsm import parse_parameters
 from hal.sim.bullet import Bullet
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from runner import missions
-from runner.loop import Plan, fly
+from runner.loop import fly
+from runner.plan import Plan
 from runner.preparation import prepare
 from runner.recorder import Recorder
 from vencejo.seeds import generator

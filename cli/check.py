@@ -30,7 +30,7 @@ from hal import backend_capabilities, flight_model
 from runner import missions
 from runner.call_limit import CallLimit
 from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.loop import Plan
+from runner.plan import Plan
 from runner.preparation import Prepared, check_fleet_file, prepare
 from runner.trial_flights import TrialFlight, fly_trials
 from vencejo.errors import Fault, UserError

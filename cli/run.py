@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, TYPE_CHECKING, Any, cast
 
 import click
+from click.core import ParameterSource
 
-from behaviors import Pilot
+from behaviors import Calls, Pilot
 from cli.options import (
     LimitSettings,
     MissionName,
@@ -34,12 +35,15 @@ from fsm import parse_parameters
 from fsm.engine.instance import Record
 from hal import backend_names, flight_model
 from runner import missions
+from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
 from runner.camera_file import joined, read_camera_file
 from runner.geometry import Terms, check_geometry
-from runner.loop import Plan, Watcher, fly
+from runner.loop import Watcher, fly
 from runner.pace import Pace
-from runner.preparation import prepare
+from runner.plan import Plan
+from runner.posts import Post, parse_posts
+from runner.preparation import Prepared, prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
@@ -49,7 +53,13 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("mission", type=MissionName())
+@click.argument("mission", type=MissionName(), required=False)
+@click.option(
+    "--again",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Repeat a run from its run folder, with all its settings, instead of flying MISSION.",
+)
 @click.option(
     "--backend", type=Word(backend_names()), default="sim", show_default=True, help="What flies it."
 )
@@ -114,6 +124,14 @@ if TYPE_CHECKING:
 @renderer_option
 @shadows_option
 @click.option(
+    "--post",
+    "posts",
+    multiple=True,
+    metavar="TIME:EVENT",
+    help="Tell the mission an event that long after its start, for instance --post 6s:battery.low "
+    "or --post '6s:tag.seen{id: 3}'. Repeatable.",
+)
+@click.option(
     "--runs-dir",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("runs"),
@@ -134,10 +152,11 @@ if TYPE_CHECKING:
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
 )
-@click.pass_obj
+@click.pass_context
 def run(
-    out: Output,
-    mission: str,
+    context: click.Context,
+    mission: str | None,
+    again: Path | None,
     backend: str,
     connect: str | None,
     world: str | None,
@@ -150,6 +169,7 @@ def run(
     camera_file: Path | None,
     renderer: str,
     shadows: bool,
+    posts: tuple[str, ...],
     runs_dir: Path,
     no_frames: bool,
     no_picture: bool,
@@ -163,42 +183,92 @@ def run(
     130 interrupted (and landed). Ctrl-C once asks the mission to stop, twice lands at once, thrice
     stops the program.
     """
-    with user_code(call_limit) as limit:
-        prepared = prepare(missions.find(mission), world, calls=limit.calls)
-        doubtful: list[Fault] = []
-        values = parse_parameters(prepared.graph, parameters, doubtful)
-        model = flight_model(backend)
-        terms = Terms(model, limit_settings.on(model))
-        findings = check_geometry(prepared.graph, prepared.world, terms, values, limit.calls)
-    for fault in (*prepared.graph.warnings, *doubtful, *findings.faults):
-        click.echo(str(fault), err=True)
-    settings: dict[str, object] = {}
-    if backend == "sim":
-        settings = {
-            "noise": noise,
-            "cameras": joined(read_camera_file(camera_file), wanted_cameras)
-            if camera_file
-            else wanted_cameras,
-            "renderer": renderer,
-            "shadows": shadows,
-        }
-    plan = replace(
-        Plan.alone(prepared, values, backend=backend, seed=seed, settings=settings),
-        address=connect,
-        profile=limit_settings.profile,
-        limits=limit_settings.limits,
-    )
+    if again is not None:
+        _refuse_settings_beside_again(context)
+        plan, call_limit = _plan_again(again)
+    elif mission is None:
+        raise click.MissingParameter(ctx=context, param_hint="'MISSION'", param_type="argument")
+    else:
+        own: dict[str, object] = {}
+        if backend == "sim":
+            in_file = read_camera_file(camera_file) if camera_file else {}
+            own = {
+                "noise": noise,
+                "cameras": joined(in_file, wanted_cameras),
+                "renderer": renderer,
+                "shadows": shadows,
+            }
+        with user_code(call_limit) as limit:
+            prepared = prepare(missions.find(mission), world, calls=limit.calls)
+            values, told = _values_of(prepared, parameters, posts)
+            _warn_of_ways(prepared, values, backend, limit_settings, limit.calls)
+        plan = replace(
+            Plan.alone(prepared, values, backend=backend, seed=seed, settings=own),
+            posts=told,
+            address=connect,
+            profile=limit_settings.profile,
+            limits=limit_settings.limits,
+            camera_file=camera_file,
+        )
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-        folder = new_folder(runs_dir, stamp, prepared.graph.name)
-        with Recorder(folder, frames=not no_frames).beginning() as recorder:
-            if camera_file is not None:
-                recorder.keep([camera_file], camera_file.parent)
-        return recorder
+        folder = new_folder(runs_dir, stamp, plan.mission_name)
+        return Recorder(folder, frames=not no_frames)
 
-    how = _Shown(None if as_json else out, picture=not no_picture)
+    how = _Shown(None if as_json else context.obj, picture=not no_picture)
     sys.exit(_fly(plan, speed, call_limit, record, how))
+
+
+_BESIDE_AGAIN = ("again", "speed", "runs_dir", "no_frames", "no_picture", "as_json")
+"""Parameters that do not change a flight."""
+
+
+def _refuse_settings_beside_again(context: click.Context) -> None:
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if source is ParameterSource.COMMANDLINE and parameter.name not in _BESIDE_AGAIN:
+            name = max(parameter.opts, key=len)
+            shown = name if name.startswith("-") else name.upper()
+            message = f"--again repeats a run with its own settings: leave out {shown}"
+            raise click.UsageError(message, context)
+
+
+def _plan_again(folder: Path) -> tuple[Plan, float | None]:
+    """The plan of a recorded run, and its limit on calls into people's code."""
+    recorded = Recorded.read(folder)
+    doubt = recorded.doubt()
+    if doubt is not None:
+        click.echo(str(doubt), err=True)
+    call_limit = recorded.settings.call_limit
+    with user_code(call_limit) as limit:
+        return recorded.plan(limit.calls), call_limit
+
+
+def _values_of(
+    prepared: Prepared, parameters: Mapping[str, str], posts: Sequence[str]
+) -> tuple[dict[str, Any], tuple[Post, ...]]:
+    """The values of a mission's parameters, and the events it is told; all warnings are shown."""
+    doubtful: list[Fault] = []
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    told = parse_posts(prepared.graph, posts, doubtful)
+    for fault in (*prepared.graph.warnings, *doubtful):
+        click.echo(str(fault), err=True)
+    return values, told
+
+
+def _warn_of_ways(
+    prepared: Prepared,
+    values: Mapping[str, Any],
+    backend: str,
+    limit_settings: LimitSettings,
+    calls: Calls,
+) -> None:
+    """Show what the possible ways of a mission meet in its world."""
+    model = flight_model(backend)
+    terms = Terms(model, limit_settings.on(model))
+    for fault in check_geometry(prepared.graph, prepared.world, terms, values, calls).faults:
+        click.echo(str(fault), err=True)
 
 
 @dataclass(frozen=True)
@@ -222,13 +292,8 @@ def _fly(
     made: list[Recorder] = []
 
     def record() -> Recorder:
-        with new_recorder().beginning() as recorder:
-            for assignment in plan.assignments.values():
-                prepared = assignment.prepared
-                recorder.keep(prepared.files, prepared.found.path.parent)
-            recorder.keep_world(plan.world)
-        made.append(recorder)
-        return recorder
+        made.append(new_recorder())
+        return made[0]
 
     try:
         with ExitStack() as stack:

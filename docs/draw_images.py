@@ -18,7 +18,8 @@ from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
 from runner import missions
-from runner.loop import Plan, fly
+from runner.loop import fly
+from runner.plan import Plan
 from runner.preparation import prepare
 from runner.recorder import Recorder
 from worlds import World, find_world, world_names
@@ -75,7 +76,6 @@ def main() -> None:
     snapshot = _Snapshot(console, plan.world)
     with TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder))
-        recorder.keep_world(plan.world)
         recorder.write_summary(fly(plan, lambda: recorder, [snapshot]))
         draw(Path(folder)).replace(IMAGES / "first_flight.png")
     console.save_svg(str(IMAGES / "live.svg"), title="drone-cli run first_flight --speed 2")

@@ -40,6 +40,11 @@ Decide = Callable[..., Decision]
 """Decides on a verb, given its arguments, and begins to carry it out."""
 
 
+def not_to_be_swapped(*, aloft: bool, armed: bool) -> str:
+    """The reason why a battery cannot be swapped now; empty when it can."""
+    return "the vehicle is in the air" if aloft else "the motors are running" if armed else ""
+
+
 class BaseVehicle:
     """A vehicle to inherit from (see :class:`hal.vehicle.Vehicle`, and docs/backends.md).
 
@@ -191,6 +196,9 @@ class BaseVehicle:
     def lights(self, lights: Lights) -> Order:
         return self.send("lights", lights)
 
+    def swap_battery(self) -> Order:
+        return self.send("swap_battery")
+
     def configure(self, limits: Limits) -> Answer:
         """Refuses: a vehicle without the capability ``limits`` has none to change."""
         if not limits.given():
@@ -217,6 +225,7 @@ class BaseSession(Generic[V]):
     """
 
     engine = "none"
+    settings: Mapping[str, object] = MappingProxyType({})
     places: Mapping[str, Point] = MappingProxyType({})
     geographic: tuple[float, float, float] | None = None
 

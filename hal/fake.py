@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from hal.backends import not_heard
-from hal.base import BaseSession, BaseVehicle
+from hal.base import BaseSession, BaseVehicle, not_to_be_swapped
 from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import DONE, UNDER_WAY, Decision, Order, refused
@@ -62,6 +62,7 @@ class FakeVehicle(BaseVehicle):
                 "reset": self._decide_reset,
                 "trim": self._decide_trim,
                 "lights": self._decide_lights,
+                "swap_battery": self._decide_swap_battery,
             },
         )
         self.commands: list[Setpoint] = []
@@ -72,7 +73,8 @@ class FakeVehicle(BaseVehicle):
         """All patterns that its lamps were ordered to show."""
         self.capabilities = frozenset(
             {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
-            | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
+            | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
+            | {"battery", "battery.swap"}
         )
         self.position = at
         self.yaw = yaw
@@ -206,6 +208,13 @@ class FakeVehicle(BaseVehicle):
     def _decide_trim(self) -> Decision:
         idle = self._mode == "landed" and not self._armed
         return DONE if idle else refused("the motors are running")
+
+    def _decide_swap_battery(self) -> Decision:
+        reason = not_to_be_swapped(aloft=self._is_aloft(), armed=self._armed)
+        if reason:
+            return refused(reason)
+        self.battery = 1.0
+        return DONE
 
     def _decide_lights(self, lights: Lights) -> Decision:
         self.shown.append(lights)

@@ -34,14 +34,15 @@ DONE_WITHIN: Mapping[str, float] = MappingProxyType(
         "reset": 30.0,
         "trim": 10.0,
         "lights": 5.0,
+        "swap_battery": 600.0,
     }
 )
 """Seconds after which an order that is not done is lost, by verb."""
 
 MANOEUVRES = frozenset({"takeoff", "land", "return_home"})
 """Orders that the vehicle flies by itself; a set-point ends them."""
-MOTION = frozenset(DONE_WITHIN) - {"lights"}
-"""Orders of which one ends another; lights are shown beside them."""
+MOTION = frozenset(DONE_WITHIN) - {"lights", "swap_battery"}
+"""Orders of which one ends another; the others are carried out beside them."""
 
 
 @dataclass(slots=True, eq=False)

@@ -319,6 +319,12 @@ class Vehicle(Protocol):
     def lights(self, lights: Lights) -> Order:
         """Show a pattern on the vehicle's lamps."""
 
+    def swap_battery(self) -> Order:
+        """Take a full battery. Done on the ground with the motors off, and refused otherwise.
+
+        Needs the capability ``battery.swap``.
+        """
+
     def command(self, setpoint: Setpoint, valid_for: float = VALIDITY) -> Answer:
         """Fly a set-point from the next period on; the last one of a period counts.
 
@@ -354,6 +360,12 @@ class Session(Protocol):
     @property
     def engine(self) -> str:
         """The name and version of the physics engine or autopilot link: ``pybullet 3.2.7``."""
+
+    @property
+    def settings(self) -> Mapping[str, object]:
+        """Its own settings as they hold, defaults included: plain values (as JSON has them) that
+        ``Options.settings`` takes.
+        """
 
     @property
     def places(self) -> Mapping[str, Point]:

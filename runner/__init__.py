@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from runner.call_limit import CallLimit
-    from runner.loop import Assignment, Plan, Stops, Watcher, fly
+    from runner.loop import Stops, Watcher, fly
     from runner.pace import Pace
+    from runner.plan import Assignment, Plan
     from runner.preparation import Prepared, prepare
     from runner.recorder import Recorder, new_folder
-    from runner.run_folder import Flown, Header, Run, Sample, Summary, read_run
+    from runner.run_folder import Flown, Header, Run, Summary, read_run
+    from runner.telemetry import Sample
     from runner.testing import MissionFlight, fly_mission, graph_of
 
 __all__ = [
@@ -43,11 +45,13 @@ __all__ = [
 ]
 _MODULES = {
     "call_limit": ("CallLimit",),
-    "loop": ("Assignment", "Plan", "Stops", "Watcher", "fly"),
+    "loop": ("Stops", "Watcher", "fly"),
     "pace": ("Pace",),
+    "plan": ("Assignment", "Plan"),
     "preparation": ("Prepared", "prepare"),
     "recorder": ("Recorder", "new_folder"),
-    "run_folder": ("Flown", "Header", "Run", "Sample", "Summary", "read_run"),
+    "run_folder": ("Flown", "Header", "Run", "Summary", "read_run"),
+    "telemetry": ("Sample",),
     "testing": ("MissionFlight", "fly_mission", "graph_of"),
 }
 

@@ -9,90 +9,32 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cache
-from hashlib import sha256
 from importlib.metadata import version
-from pathlib import Path
 from platform import python_version
-from typing import Any, Protocol, Self
+from typing import Protocol
 
 from behaviors import Calls, MissionFrame, Pilot
 from behaviors.host_functions import set_limits
 from fsm.engine.instance import Record
 from fsm.values.functions import EvaluationError
-from hal import Limits, Options, Session, open_backend
+from hal import Options, Session, open_backend
 from hal.vehicle import PERIODS_PER_SECOND
 from runner.call_limit import CallLimit
 from runner.course import Entered, collisions, entered
+from runner.kept_files import KeptFiles, file_hash, kept_files
 from runner.pace import Pace
-from runner.preparation import Prepared
+from runner.plan import Assignment, Plan
+from runner.posts import Post
 from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
-from runner.run_folder import ALONE, LAST_ENTERED, Flown, Header, MissionFacts, Summary
+from runner.run_folder import LAST_ENTERED, Flown, Header, MissionFacts, Summary
+from runner.settings import MissionSettings, RunSettings
 from vencejo.errors import UserError, VehicleError, Where
 from vencejo.geometry import Point, distance
 from vencejo.version import __version__
-from worlds import World
 
-
-@dataclass(frozen=True)
-class Assignment:
-    """The mission of one vehicle, with its parameters."""
-
-    prepared: Prepared
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    """Values of the mission's parameters, as ``fsm.parse_parameters`` gives them."""
-
-
-@dataclass(frozen=True)
-class Plan:
-    """The plan of a run: the missions of its vehicles, all in one world.
-
-    Raises ValueError for no vehicle, and for missions that were prepared for different worlds.
-    """
-
-    assignments: Mapping[str, Assignment]
-    """Name of a vehicle → its mission, in the order of the start places and of each period."""
-    backend: str = "sim"
-    seed: int = 0
-    settings: Mapping[str, object] = field(default_factory=dict)
-    """Settings of that backend only, such as the simulator's ``noise``."""
-    address: str | None = None
-    """Address of a real vehicle; None for the simulator."""
-    profile: str | None = None
-    """Named limits of flight of the vehicles, such as ``indoor``."""
-    limits: Limits = field(default_factory=Limits)
-    """Limits of flight that override the profile's, altitudes above home."""
-
-    def __post_init__(self) -> None:
-        worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}
-        if len(worlds) != 1:
-            raise ValueError("a plan needs at least one vehicle, and all missions in one world")
-
-    @classmethod
-    def alone(
-        cls,
-        prepared: Prepared,
-        parameters: Mapping[str, Any] | None = None,
-        *,
-        backend: str = "sim",
-        seed: int = 0,
-        settings: Mapping[str, object] | None = None,
-    ) -> Self:
-        """A plan for a single vehicle."""
-        return cls({ALONE: Assignment(prepared, parameters or {})}, backend, seed, settings or {})
-
-    @property
-    def world(self) -> World:
-        return self._any.world
-
-    @property
-    def world_word(self) -> str:
-        """The name or path by which a backend finds that world."""
-        return self._any.world_word
-
-    @property
-    def _any(self) -> Prepared:
-        return next(iter(self.assignments.values())).prepared
+_EPSILON = 1e-9
+"""Seconds within which two times count as equal."""
 
 
 class Watcher(Protocol):
@@ -126,6 +68,8 @@ class _Craft:
     collisions: Counter[str] = field(default_factory=Counter)
     failure: VehicleError | None = None
     """The error because of which it could not be landed; None for none."""
+    posts: deque[Post] = field(default_factory=deque)
+    """Events that its mission is still to be told, the next one first."""
     has_defect: bool = False
     """Whether an exception that nobody expected has ended its mission."""
     _last: Point | None = None
@@ -137,6 +81,8 @@ class _Craft:
 
     def period(self, dt: float) -> None:
         """Fly a mission period of ``dt`` seconds."""
+        if self.posts:
+            self._post()
         try:
             self.pilot.period(dt)
         except VehicleError as error:
@@ -159,6 +105,13 @@ class _Craft:
         self._last = position
         if channel.world.events:
             self.collisions.update(collisions(channel.world))
+
+    def _post(self) -> None:
+        """Tell its mission the events whose time has come."""
+        seen = self.pilot.vehicle.observe()
+        while self.posts and seen.time - self.start >= self.posts[0].time - _EPSILON:
+            post = self.posts.popleft()
+            self.pilot.instance.post(post.event, post.fields_at(seen))
 
     def lose(self, error: VehicleError) -> None:
         """It or its backend has failed: order the landing all the same."""
@@ -190,9 +143,11 @@ class _Log:
         self.failure = ""
         """The fault that stopped the writing; empty for none."""
 
-    def begin(self, header: Header, crafts: Iterable[_Craft]) -> None:
+    def begin(self, header: Header, files: KeptFiles, crafts: Iterable[_Craft]) -> None:
         if self._recorder is not None:
-            self._recorder.begin(header)
+            with self._recorder.beginning():
+                self._recorder.keep(files.contents)
+                self._recorder.begin(header)
             for craft in crafts:
                 self._recorder.follow(craft.pilot)
 
@@ -337,10 +292,11 @@ def fly(
     with open_backend(plan.backend, options) as session, ExitStack() as stack:
         dt = session.wait()
         crafts = [_craft(plan, session, name, dt, limit.calls) for name in session.vehicles]
-        header = _header(plan, session.engine)
+        files = kept_files(plan)
+        header = _header(plan, session, files, limit)
         log = _Log(record() if record else None)
         stack.callback(log.close)
-        log.begin(header, crafts)
+        log.begin(header, files, crafts)
         flying = _Flying(
             session, crafts, log, watchers, pace or Pace(None), stops or _Never(), limit
         )
@@ -373,18 +329,37 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
         set_limits(pilot.channel, plan.profile, **plan.limits.given())
     except EvaluationError as error:
         raise UserError("bad-limit", f"'{name}': {error}", Where("--limit")) from None
-    return _Craft(pilot, seen.time - dt)
+    return _Craft(pilot, seen.time - dt, posts=deque(plan.posts))
 
 
-def _header(plan: Plan, engine: str) -> Header:
+def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) -> Header:
+    # What a backend does not give back is kept as it was given.
+    unlisted = {n: value for n, value in plan.settings.items() if n not in session.settings}
     return Header(
         missions={name: _facts(flown) for name, flown in plan.assignments.items()},
         world=plan.world.name,
         world_sha256=plan.world.sha256,
         seed=plan.seed,
         backend=plan.backend,
-        engine=engine,
+        engine=session.engine,
         vencejo=__version__,
+        settings=RunSettings(
+            missions={
+                name: MissionSettings(files.missions[name], flown.all_parameters)
+                for name, flown in plan.assignments.items()
+            },
+            world=files.world,
+            files=files.hashes(),
+            backend=plan.backend,
+            seed=plan.seed,
+            connect=plan.address,
+            profile=plan.profile,
+            limits=plan.limits,
+            call_limit=limit.seconds,
+            camera_file=files.camera_file,
+            post=plan.posts,
+            own={**session.settings, **unlisted},
+        ),
     )
 
 
@@ -392,15 +367,13 @@ def _facts(assignment: Assignment) -> MissionFacts:
     first, *others = assignment.prepared.files
     return MissionFacts(
         name=assignment.prepared.graph.name,
-        sha256=_file_hash(first),
-        parameters=assignment.parameters,
-        files={file.relative_to(first.parent).as_posix(): _file_hash(file) for file in others},
+        sha256=file_hash(first.read_bytes()),
+        parameters=assignment.all_parameters,
+        files={
+            file.relative_to(first.parent).as_posix(): file_hash(file.read_bytes())
+            for file in others
+        },
     )
-
-
-def _file_hash(path: Path) -> str:
-    """SHA-256 of a file, hexadecimal."""
-    return sha256(path.read_bytes()).hexdigest()
 
 
 @cache

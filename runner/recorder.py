@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import Self
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
-from hal.vehicle import Frame, Observation, Reading
+from hal.vehicle import Frame, Observation, Reading, Setpoint
 from runner.appended_file import AppendedFile, as_json, encode, writing
 from runner.frames import FrameFiles
 from runner.readings import ReadingFile
@@ -24,17 +23,15 @@ from runner.run_folder import (
     EVENTS,
     SUMMARY,
     TELEMETRY,
-    TELEMETRY_COLUMNS,
     Header,
     Summary,
     entry_fields,
     header_fields,
     summary_fields,
-    telemetry_row,
 )
+from runner.telemetry import COLUMNS, row_of
 from vencejo.errors import UserError, Where, reason_of
 from vencejo.files import write_whole
-from worlds import World
 
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: a killed run may lose one second of them."""
@@ -68,7 +65,7 @@ class Recorder:
         """``frames``: whether the camera frames that were read are kept."""
         self.folder = folder
         self._sequence = 0
-        self._rows: list[tuple[Observation, str, Sequence[str]]] = []
+        self._rows: list[tuple[Observation, str, Sequence[str], Setpoint | None, str]] = []
         self._states: dict[str, Sequence[str]] = {}
         """Paths of the active leaf states, by vehicle."""
         place = folder.absolute()  # a person's code may go to another folder in flight
@@ -82,37 +79,28 @@ class Recorder:
         self._telemetry = AppendedFile(folder / TELEMETRY)
 
     @contextmanager
-    def beginning(self) -> Iterator[Self]:
+    def beginning(self) -> Iterator[None]:
         """Leave no run folder behind where what the block writes cannot be written."""
         try:
-            yield self
+            yield
         except UserError:
             with suppress(UserError):
                 self.close()
             shutil.rmtree(self.folder, ignore_errors=True)
             raise
 
-    def keep(self, files: Iterable[Path], base: Path) -> None:
-        """Copy what a person wrote, as flown; what lies in ``base`` keeps its place below it."""
-        for path in files:
-            inside = path.is_relative_to(base)
-            copy = self.folder / (path.relative_to(base) if inside else path.name)
+    def keep(self, files: Mapping[str, bytes]) -> None:
+        """Write copies of files that the flight depends on, by their path in the folder."""
+        for name, content in files.items():
+            copy = self.folder / name
             with writing(copy):
                 copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(path, copy)
-
-    def keep_world(self, world: World) -> None:
-        """Copy a world and the files it names; a generated one is written down."""
-        self.keep(world.files, world.source.parent)
-        if not world.files:
-            copy = self.folder / f"{world.name}.yaml"
-            with writing(copy):
-                copy.write_text(world.text, "utf-8")
+                copy.write_bytes(content)
 
     def begin(self, header: Header) -> None:
         """Write the first lines of events and telemetry."""
         self._events.append([encode(header_fields(header))])
-        self._telemetry.append([TELEMETRY_COLUMNS])
+        self._telemetry.append([COLUMNS])
 
     def follow(self, pilot: Pilot) -> None:
         """Record the frames and readings that the behaviours of this pilot read."""
@@ -133,7 +121,8 @@ class Recorder:
         seen = pilot.channel.world
         vehicle = pilot.vehicle.name
         # Formatted many at a time: one by one they would take twice as long.
-        self._rows.append((seen, vehicle, self._states.get(vehicle, ())))
+        told = pilot.channel.commanded, pilot.manoeuvre
+        self._rows.append((seen, vehicle, self._states.get(vehicle, ()), *told))
         if len(self._rows) == _ROWS_AT_ONCE:
             self._write_rows()
         if self._unwritten_frames:
@@ -160,7 +149,7 @@ class Recorder:
 
     def _write_rows(self) -> None:
         rows, self._rows = self._rows, []
-        self._telemetry.append([telemetry_row(*row) for row in rows])
+        self._telemetry.append([row_of(*row) for row in rows])
 
     def _write_frames(self) -> None:
         read, self._unwritten_frames = self._unwritten_frames, []

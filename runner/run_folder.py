@@ -13,25 +13,27 @@ import csv
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import lru_cache
+from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
-from hal.vehicle import Frame, Intrinsics, Observation, Reading
+from hal.vehicle import Frame, Intrinsics, Reading
+from runner.by_vehicle import joined, vehicles_of
 from runner.course import Entered
+from runner.settings import RunSettings, settings_fields, settings_of
+from runner.telemetry import COLUMNS, KNOWN_COLUMNS, Sample, sample_of
 from vencejo.errors import UserError, Where
-from vencejo.geometry import Point, Quaternion, roll_pitch_of
+from vencejo.geometry import Point, Quaternion
 
 EVENTS, TELEMETRY, FRAMES, SUMMARY = "events.jsonl", "telemetry.csv", "frames.jsonl", "summary.json"
 EVENTS_FORMAT, EVENTS_VERSION = "vencejo.events", 1
 FRAMES_FORMAT, FRAMES_VERSION = "vencejo.frames", 1
 READINGS = "readings.jsonl"
 READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
-TELEMETRY_COLUMNS = "t,vehicle,x,y,z,vx,vy,vz,roll,pitch,yaw,battery,mode,state"
-_ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s"
-ALONE = "drone"
-"""The name of a vehicle that flies alone: its run's header and summary need not name it."""
+PICTURE = "flight.png"
+OWN_NAMES = (EVENTS, TELEMETRY, FRAMES, "frames", SUMMARY, READINGS, PICTURE)
+"""Names in a run folder that copies of files cannot have."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130
 """Exit codes of runs that have flown."""
 LAST_ENTERED = 20
@@ -66,6 +68,8 @@ class Header:
     """Name and version of the physics engine or autopilot link."""
     vencejo: str
     """Version of vencejo that flew it."""
+    settings: RunSettings | None = None
+    """None in folders of releases that did not keep them."""
 
 
 @dataclass(frozen=True)
@@ -78,27 +82,6 @@ class LogEntry:
     vehicle: str
     kind: str
     fields: Mapping[str, Any]
-
-
-class Sample(NamedTuple):
-    """One row of ``telemetry.csv``: a vehicle's state at the end of a mission period."""
-
-    time: float
-    """Seconds of the vehicle's clock."""
-    position: Point
-    """World frame, metres."""
-    velocity: Point
-    """World frame, m/s."""
-    roll: float
-    """Radians, as pitch and yaw."""
-    pitch: float
-    yaw: float
-    """Counter-clockwise from east."""
-    battery: float
-    """Charge left, 0 to 1."""
-    mode: str
-    states: tuple[str, ...]
-    """Paths of the active leaf states of its mission; none once it has ended."""
 
 
 @dataclass(frozen=True)
@@ -237,28 +220,19 @@ def header_fields(header: Header) -> dict[str, Any]:
         "backend": header.backend,
         "engine": header.engine,
         "vencejo": header.vencejo,
+        **_settings_fields(header),
     }
-    return _joined(vehicles, run, _HEADER_ORDER)
+    return joined(vehicles, run, _HEADER_ORDER)
+
+
+def _settings_fields(header: Header) -> dict[str, Any]:
+    return {"settings": settings_fields(header.settings)} if header.settings else {}
 
 
 _HEADER_ORDER = (
     *("format", "version", "mission", "mission_sha256", "files_sha256", "vehicles", "world"),
-    *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo"),
+    *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo", "settings"),
 )
-
-
-def _joined(
-    vehicles: Mapping[str, Mapping[str, Any]], run: Mapping[str, Any], order: Sequence[str]
-) -> dict[str, Any]:
-    """The fields of a run and its vehicles; those of one that flies alone stand among the run's."""
-    fields = {**(vehicles[ALONE] if list(vehicles) == [ALONE] else {"vehicles": vehicles}), **run}
-    return {name: fields[name] for name in order if name in fields}
-
-
-def _vehicles(fields: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
-    """The fields of each vehicle, from those of a run."""
-    vehicles: Mapping[str, Mapping[str, Any]] = fields.get("vehicles", {ALONE: fields})
-    return vehicles
 
 
 def entry_fields(
@@ -266,21 +240,6 @@ def entry_fields(
 ) -> dict[str, Any]:
     """Any other line of ``events.jsonl``, as an object for JSON."""
     return {"seq": sequence, "t": time, "vehicle": vehicle, "kind": kind, **fields}
-
-
-def telemetry_row(seen: Observation, vehicle: str, states: Sequence[str]) -> str:
-    """A row of ``telemetry.csv`` without its end; ``seen`` is of the world frame."""
-    roll, pitch = roll_pitch_of(seen.attitude)
-    place = (seen.time, _cell(vehicle), *seen.position, *seen.velocity)
-    mode, state = _cell(seen.mode), _cell("|".join(states))
-    return _ROW % (*place, roll, pitch, seen.yaw, seen.battery, mode, state)
-
-
-@lru_cache(maxsize=256)
-def _cell(text: str) -> str:
-    """A text in one cell of a line of CSV (RFC 4180): an autopilot may call its mode anything."""
-    text = text.replace("\r", " ").replace("\n", " ")
-    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
 
 
 def frames_header() -> dict[str, Any]:
@@ -349,18 +308,19 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
         "seed": header.seed,
         "backend": header.backend,
         "engine": header.engine,
+        **_settings_fields(header),
         "versions": dict(summary.versions),
         **({"unrecorded": summary.unrecorded} if summary.unrecorded else {}),
         "run_folder": str(folder) if folder else None,
     }
-    return _joined(vehicles, run, _SUMMARY_ORDER)
+    return joined(vehicles, run, _SUMMARY_ORDER)
 
 
 _SUMMARY_ORDER = (
     *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
     *("left_ground", "battery_left", "entered", "collisions", "vehicles"),
-    *("world", "parameters", "seed", "backend", "engine"),
+    *("world", "parameters", "seed", "backend", "engine", "settings"),
     *("versions", "unrecorded", "run_folder"),
 )
 """Order of the keys for a person to read: the results come first."""
@@ -393,21 +353,31 @@ def read_run(folder: Path | str) -> Run:
     """
     folder = Path(folder)
     missing: list[str] = []
-    lines = _lines(folder / EVENTS, missing)
-    if not lines:
-        message = f"'{folder}' is no run folder: {missing[0]}"
-        raise UserError("no-run", message, Where(str(folder)), "name one of `runs/`")
-    header = _header(folder / EVENTS, lines[0])
+    header, lines = _begun(folder, missing)
     return Run(
         folder=folder,
         header=header,
-        events=tuple(_each(folder / EVENTS, lines[1:], _entry)),
+        events=tuple(_each(folder / EVENTS, lines, _entry)),
         telemetry=_telemetry(folder / TELEMETRY, missing),
         frames=tuple(_frames(folder, missing)),
         readings=tuple(_readings(folder / READINGS, missing)),
         summary=_summary(folder / SUMMARY, header, missing),
         missing=tuple(missing),
     )
+
+
+def read_header(folder: Path) -> Header:
+    """Read what made a run what it is. Raises UserError like :func:`read_run`."""
+    return _begun(folder, [])[0]
+
+
+def _begun(folder: Path, missing: list[str]) -> tuple[Header, list[bytes]]:
+    """The header of a run, and the other lines of its events; what is not there is ``missing``."""
+    lines = _lines(folder / EVENTS, missing)
+    if not lines:
+        message = f"'{folder}' is no run folder: {missing[0]}"
+        raise UserError("no-run", message, Where(str(folder)), "name one of `runs/`")
+    return _header(folder / EVENTS, lines[0]), lines[1:]
 
 
 def _lines(path: Path, missing: list[str]) -> list[bytes]:
@@ -484,7 +454,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
                 parameters=mission["parameters"],
                 files=mission.get("files_sha256", {}),
             )
-            for vehicle, mission in _vehicles(fields).items()
+            for vehicle, mission in vehicles_of(fields).items()
         },
         world=fields["world"],
         world_sha256=fields["world_sha256"],
@@ -492,6 +462,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
         backend=fields["backend"],
         engine=fields["engine"],
         vencejo=fields["vencejo"],
+        settings=settings_of(fields["settings"]) if "settings" in fields else None,
     )
 
 
@@ -512,26 +483,14 @@ def _telemetry(path: Path, missing: list[str]) -> dict[str, tuple[Sample, ...]]:
     lines = _lines(path, missing)
     if not lines:
         return {}
-    if lines[0].decode("utf-8", "replace") != TELEMETRY_COLUMNS:
-        message = f"its columns are not {TELEMETRY_COLUMNS}"
+    columns = lines[0].decode("utf-8", "replace")
+    if columns not in KNOWN_COLUMNS:
+        message = f"its columns are not {COLUMNS}"
         raise UserError("unknown-run-format", message, Where(str(path), 1, 1))
     found: dict[str, list[Sample]] = {}
-    for vehicle, sample in _each(path, lines[1:], _sample):
+    for vehicle, sample in _each(path, lines[1:], partial(sample_of, columns=columns)):
         found.setdefault(vehicle, []).append(sample)
     return {vehicle: tuple(samples) for vehicle, samples in found.items()}
-
-
-def _sample(line: bytes) -> tuple[str, Sample]:
-    """A vehicle's name and its sample."""
-    (cells,) = csv.reader([line.decode()], strict=True)
-    columns = TELEMETRY_COLUMNS.count(",") + 1
-    if len(cells) != columns:
-        raise ValueError(f"it has {len(cells)} columns, not {columns}")
-    time, vehicle, *numbers, mode, state = cells
-    x, y, z, vx, vy, vz, roll, pitch, yaw, battery = map(float, numbers)
-    position, velocity = Point(x, y, z), Point(vx, vy, vz)
-    states = tuple(state.split("|")) if state else ()
-    return vehicle, Sample(float(time), position, velocity, roll, pitch, yaw, battery, mode, states)
 
 
 def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
@@ -601,7 +560,7 @@ def _summary(path: Path, header: Header, missing: list[str]) -> Summary | None:
 def _summary_of(fields: Mapping[str, Any], header: Header) -> Summary:
     return Summary(
         header=header,
-        vehicles={vehicle: _flown_of(flown) for vehicle, flown in _vehicles(fields).items()},
+        vehicles={vehicle: _flown_of(flown) for vehicle, flown in vehicles_of(fields).items()},
         wall_time=fields["wall_time_s"],
         interrupted=fields["exit_code"] == INTERRUPTED,
         versions=fields["versions"],

@@ -18,7 +18,8 @@ from fsm import (
 )
 from fsm.engine.instance import Record
 from runner import missions
-from runner.loop import Plan, fly
+from runner.loop import fly
+from runner.plan import Plan
 from runner.preparation import prepare
 from vencejo.geometry import Point, distance
 

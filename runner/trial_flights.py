@@ -10,7 +10,8 @@ from behaviors import Pilot
 from fsm.chart.graph import Node
 from fsm.engine.instance import Record
 from runner.call_limit import CallLimit
-from runner.loop import Plan, fly
+from runner.loop import fly
+from runner.plan import Plan
 from vencejo.geometry import Point
 from worlds.obstacles import Near, Obstacles
 

@@ -118,11 +118,13 @@ KINDS: Mapping[str, Value[ThingDraft]] = {
             "marker": Field(MARKER_ON_TOP, None),
         },
         _box,
+        may_charge=True,
     ),
     "cylinders": placed(
         "cylinder",
         {"radius": Field(SIZE), "height": Field(SIZE), "color": _color("gray")},
         figures.cylinder,
+        may_charge=True,
     ),
     "spheres": placed("sphere", {"radius": Field(SIZE), "color": _color("gray")}, figures.sphere),
     "walls": WALL,

@@ -67,8 +67,18 @@ def _files(node: YamlNode) -> Iterator[Path]:
                 path = Path(value.where.file).parent / value.text
                 if path.is_file():
                     yield path
+                    yield from _meshes(path)
             else:
                 yield from _files(value)
+
+
+def _meshes(path: Path) -> tuple[Path, ...]:
+    """The meshes that a model's file names; none of images and of meshes."""
+    if path.suffix.lower() in (".obj", ".stl", ".png", ".jpg", ".jpeg"):
+        return ()
+    from worlds.model_files import mesh_files_of  # late: it needs numpy
+
+    return mesh_files_of(path)
 
 
 def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]) -> World:

@@ -26,13 +26,7 @@ def load_model(path: Path) -> tuple[Part, ...]:
 
     Raises ValueError; its message tells what is wrong with the file.
     """
-    text = path.read_text("utf-8", "replace")
-    if "<!ENTITY" in text or "<!DOCTYPE" in text:
-        raise ValueError("document types and entities are not read")
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise ValueError(f"it is no XML ({error})") from None
+    root = _root(path)
     if any("xacro" in element.tag for element in root.iter()):
         raise ValueError("xacro is a macro language; expand it first: xacro FILE > model.urdf")
     if root.tag == "robot":
@@ -44,6 +38,28 @@ def load_model(path: Path) -> tuple[Part, ...]:
     if not parts:
         raise ValueError("none of its links has a shape")
     return parts
+
+
+def _root(path: Path) -> ElementTree.Element:
+    """The root of an XML file. Raises ValueError."""
+    text = path.read_text("utf-8", "replace")
+    if "<!ENTITY" in text or "<!DOCTYPE" in text:
+        raise ValueError("document types and entities are not read")
+    try:
+        return ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise ValueError(f"it is no XML ({error})") from None
+
+
+def mesh_files_of(path: Path) -> tuple[Path, ...]:
+    """The meshes that a model's file names and that exist; none of a file that is no model."""
+    try:
+        root = _root(path)
+    except (OSError, ValueError):
+        return ()
+    words = [_urdf_sizes(mesh, "file") or _sdf_sizes(mesh, "file") for mesh in root.iter("mesh")]
+    files = [path.parent / _mesh_name(word) for word in words if word]
+    return tuple(file for file in files if file.is_file())
 
 
 # URDF: joints place links in each other. http://wiki.ros.org/urdf/XML
@@ -174,8 +190,12 @@ def _part(
     return Part(shape, *pose, color)
 
 
+def _mesh_name(word: str) -> str:
+    return word.strip().removeprefix("file://")
+
+
 def _mesh(folder: Path, word: str, scale: list[float]) -> Mesh:
-    name = word.strip().removeprefix("file://")
+    name = _mesh_name(word)
     if "://" in name:
         raise ValueError(f"the mesh '{word}' is not found; give its path from the model's folder")
     if not (folder / name).is_file():

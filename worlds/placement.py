@@ -13,6 +13,7 @@ from worlds.terrain import on_ground, place_of
 from worlds.things import Motion, Part, Terrain, Thing
 from worlds.values import (
     ANGLE_VALUE,
+    CHARGING,
     FLAG,
     SPEED_VALUE,
     SPOT,
@@ -65,13 +66,14 @@ class ThingDraft:
     spot: Spot
     heading: float
     moves: PathDraft | None
+    charges: float = 0.0
 
     def thing(self, name: str, terrain: Terrain | None) -> Thing:
         """The thing of that name; one that moves begins where its path begins."""
         motion = self.moves.motion(terrain) if self.moves else None
         at = motion.points[0] if motion else place_of(terrain, self.spot)
         attitude = yaw_quaternion(self.heading)
-        return Thing(name, self.kind, at, attitude, self.parts, self.solid, motion)
+        return Thing(name, self.kind, at, attitude, self.parts, self.solid, motion, self.charges)
 
 
 def _moves(**keys: Any) -> PathDraft:
@@ -107,14 +109,22 @@ def placed(
     *,
     solid: bool = True,
     what: str = "",
+    may_charge: bool = False,
 ) -> Value[ThingDraft]:
     """A kind of thing: its own keys, beside those of its placement.
 
-    ``parts`` makes its parts of the values of its own keys; ``what`` names it in errors.
+    ``parts`` makes its parts of the values of its own keys; ``what`` names it in errors. One that
+    ``may_charge`` has the key ``charges``.
     """
     what = what or f"a {kind}"
 
-    def build(at: Spot | None, heading: float, moves: PathDraft | None, **own: Any) -> ThingDraft:
+    def build(
+        at: Spot | None,
+        heading: float,
+        moves: PathDraft | None,
+        charges: float = 0.0,
+        **own: Any,
+    ) -> ThingDraft:
         if at is None and moves is None:
             raise Misfit("missing-key", f"{what} needs 'at'")
         if at is not None and moves is not None:
@@ -125,12 +135,13 @@ def placed(
                 "leave it out, or make it the first point of 'through'",
             )
         spot = at or Spot(0.0, 0.0)
-        return ThingDraft(kind, parts(**own), solid, spot, heading, moves)
+        return ThingDraft(kind, parts(**own), solid, spot, heading, moves, charges)
 
     placement = {
         "at": Field(SPOT, None),
         "heading": Field(ANGLE_VALUE, 0.0),
         "moves": Field(MOVES, None),
+        **({"charges": Field(CHARGING, 0.0)} if may_charge else {}),
     }
     value = record(what, {**placement, **keys}, build)
     either = {"oneOf": [{"required": ["at"]}, {"required": ["moves"]}]}

@@ -141,6 +141,8 @@ class Thing:
     solid: bool = True
     """True when vehicles collide with it; with plates they never do."""
     motion: Motion | None = None
+    charges: float = 0.0
+    """Power with which it charges a vehicle that stands on it with its motors off, watts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from vencejo.units import (
     ANGLE,
     LENGTH,
     NUMBER,
+    POWER,
     RATIO,
     SPEED,
     UNITS,
@@ -180,6 +181,7 @@ COORDINATE = quantity(LENGTH, -_FAR, _FAR)
 SIZE = above_zero(LENGTH, _FAR)
 ANGLE_VALUE = quantity(ANGLE)
 SPEED_VALUE = above_zero(SPEED, 1000.0)
+CHARGING = above_zero(POWER, 1e6)
 SHARE = quantity(RATIO, 0.0, 1.0)
 FACTOR = above_zero(RATIO, _FAR)
 

@@ -17,6 +17,7 @@ HELP: Mapping[str, str] = {
     "boards": "ChArUco boards.",
     "boxes": "Solid cuboids.",
     "cars": "Cars, 4.2 m long.",
+    "charges": "Power for the battery of a vehicle that stands on it with its motors off.",
     "color": "A name, or [red, green, blue] from 0 to 255.",
     "ceiling": "Greatest height to fly at, metres.",
     "columns": "Squares along its width.",

@@ -1,5 +1,5 @@
 """The picture of a run, drawn from its folder."""
 
-from cli.plot.flight import NAME, draw
+from cli.plot.flight import draw
 
-__all__ = ["NAME", "draw"]
+__all__ = ["draw"]

@@ -50,6 +50,16 @@ class Axes:
     def places(self, points: Iterable[XY]) -> list[XY]:
         return [(self.x.pixel(x), self.y.pixel(y)) for x, y in points]
 
+    def near(self, points: Iterable[XY], margin: float) -> list[XY]:
+        """The places of points; of those far beyond the panel, the nearest that are ``margin``
+        pixels beside it.
+        """
+        left, right = self.box.left - margin, self.box.right + margin
+        top, bottom = self.box.top - margin, self.box.bottom + margin
+        return [
+            (max(left, min(right, x)), max(top, min(bottom, y))) for x, y in self.places(points)
+        ]
+
     def grid(self, canvas: Canvas, *, x_spacing: float = 60, y_spacing: float = 30) -> None:
         """Lines at the ticks, to be drawn before anything else."""
         for value in self.x.ticks(x_spacing):

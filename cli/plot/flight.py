@@ -5,23 +5,26 @@ Made from the run folder's files alone, so that a run that was killed has one to
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
 from math import hypot
 from pathlib import Path
+from typing import NamedTuple, TypeVar
 
 from cli.plot.axes import FRAME, LABEL, Axes, axes_from_above, axes_over
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
 from cli.plot.lanes import Lane, lanes_of, states_of
-from hal import PERIOD
-from runner.run_folder import Run, Sample, read_run
+from hal import PERIOD, Position, Velocity
+from runner.run_folder import PICTURE, Run, read_run
+from runner.telemetry import Sample
 from vencejo.errors import UserError, Where, cannot_write
 from vencejo.files import write_whole
+from vencejo.geometry import Point
 from worlds import World, load_world, outlines_of
 
-NAME = "flight.png"
+Value = TypeVar("Value", float, Point)
 _WIDTH = 1280
 _MAP = Box(58, 62, 588, 592)
 _LEFT, _RIGHT = 652, _WIDTH - 16
@@ -40,6 +43,10 @@ _COLORS: Sequence[Color] = (
     *((31, 119, 180), (255, 127, 14), (44, 160, 44), (148, 103, 189), (140, 86, 75)),
     *((227, 119, 194), (23, 190, 207), (188, 189, 34), (0, 96, 100), (106, 90, 205)),
 )
+_TOLD: Color = (90, 90, 90)
+_TOLD_NAME = "set-points"
+_TOLD_STEP = 3.0
+"""Pixels between points of a set-points' line: dashes that short take long to draw."""
 _RED, _DARK, _WHITE = (214, 39, 40), (40, 40, 40), (255, 255, 255)
 _THING, _THING_EDGE, _ROAD = (226, 226, 222), (150, 150, 145), (240, 240, 238)
 
@@ -85,7 +92,7 @@ def draw(folder: Path) -> Path:
     flights = flights_of(run)
     if not flights:
         raise UserError("no-run", "this run has no telemetry", Where(str(folder)))
-    path = folder / NAME
+    path = folder / PICTURE
     try:
         write_whole(path, picture(run, flights, world_of(run)))
     except OSError as error:
@@ -96,7 +103,9 @@ def draw(folder: Path) -> Path:
 
 def world_of(run: Run) -> World | None:
     """The world of a run as its folder keeps it; None where it is not there or not readable."""
-    for path in sorted(run.folder.glob("*.yaml")):
+    kept = run.header.settings
+    paths = [run.folder / kept.world] if kept else sorted(run.folder.glob("*.yaml"))
+    for path in paths:
         with suppress(UserError, OSError):
             world = load_world(path)
             if world.sha256 == run.header.world_sha256:
@@ -112,7 +121,8 @@ def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
     colors = {name: _COLORS[number % len(_COLORS)] for number, name in enumerate(told)}
     lanes = [lane for flight in flights for lane in flight.lanes]
     lanes_end = _LANES + _LANE * len(lanes)
-    legend = _legend_rows(told)
+    has_setpoints = any(sample.setpoint for flight in flights for sample in flight.samples)
+    legend = _legend_rows([*told, _TOLD_NAME] if has_setpoints else told)
     top = max(_MAP.bottom, lanes_end) + 44
     canvas = Canvas(_WIDTH, round(top + _ROW * len(legend) + 8))
     _draw_map(canvas, flights, world, colors)
@@ -121,8 +131,11 @@ def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
     for number, row in enumerate(legend):
         for left, name in row:
             middle = top + _ROW * number + _ROW / 2
-            swatch = Box(left, middle - 5, left + 16, middle + 5)
-            canvas.rectangle(swatch, colors[name])
+            if name in colors:
+                swatch = Box(left, middle - 5, left + 16, middle + 5)
+                canvas.rectangle(swatch, colors[name])
+            else:
+                canvas.dashes([(left - 2, middle), (left + 18, middle)], _TOLD, 1.5)
             canvas.text((left + _SWATCH, middle), name)
     _draw_title(canvas, run)
     return canvas.png()
@@ -173,6 +186,9 @@ def _draw_map(
     for flight, path in zip(flights, paths, strict=True):
         for color, part in _colored(flight, colors):
             canvas.line(_thinned(axes.places(map(_from_above, part))), color, 2.2)
+        for told in _runs_of(flight, _told_place):
+            places = axes.near(((x, y) for _, (x, y, _) in told), 20)
+            canvas.dashes(_apart(places, _TOLD_STEP), _TOLD)
         _mark_start(canvas, axes.place(*path[0]))
         for sample, thing in flight.collisions:
             place = axes.place(*_from_above(sample))
@@ -220,7 +236,59 @@ def _from_above(sample: Sample) -> XY:
     return sample.position.x, sample.position.y
 
 
+# -- set-points ------------------------------------------------------------------------------------
+
+
+def _runs_of(
+    flight: Flight, value: Callable[[Sample], Value | None]
+) -> Iterator[list[tuple[float, Value]]]:
+    """Time and value of a set-point, by the stretches of the flight in which there is one."""
+    stretch: list[tuple[float, Value]] = []
+    for sample in flight.samples:
+        told = value(sample)
+        if told is not None:
+            stretch.append((sample.time, told))
+        elif stretch:
+            yield stretch
+            stretch = []
+    if stretch:
+        yield stretch
+
+
+def _told_place(sample: Sample) -> Point | None:
+    return sample.setpoint.xyz if isinstance(sample.setpoint, Position) else None
+
+
+def _told_altitude(sample: Sample) -> float | None:
+    return sample.setpoint.xyz.z if isinstance(sample.setpoint, Position) else None
+
+
+def _told_speed(sample: Sample) -> float | None:
+    told = sample.setpoint
+    if isinstance(told, Velocity):
+        return Point(told.x, told.y, told.z).norm()
+    if isinstance(told, Position) and told.velocity is not None:
+        return told.velocity.norm()
+    return None
+
+
+def _told_nothing(sample: Sample) -> None:
+    return None
+
+
 # -- figures over time -----------------------------------------------------------------------------
+
+
+class _Panel(NamedTuple):
+    """Figures over time: what was flown, and what was commanded."""
+
+    box: Box
+    title: str
+    range_: tuple[float, float]
+    flown: Callable[[Sample], float]
+    told: Callable[[Sample], float | None]
+    spacing: int = 34
+    """Pixels between the ticks of its scale, at least."""
 
 
 def _draw_figures(canvas: Canvas, flights: Sequence[Flight], colors: dict[str, Color]) -> None:
@@ -229,18 +297,21 @@ def _draw_figures(canvas: Canvas, flights: Sequence[Flight], colors: dict[str, C
     heights = [sample.position.z for sample in samples]
     margin = 0.08 * max(1.0, max(heights) - min(heights))
     low = 0.0 if min(heights) > -margin else min(heights) - margin
+    top = 1.1 * max(1.0, *map(_speed, samples))
     panels = (
-        (_ALTITUDE, "altitude, m", (low, max(heights) + margin), _altitude, 34),
-        (_SPEED, "speed, m/s", (0.0, 1.1 * max(1.0, *map(_speed, samples))), _speed, 34),
-        (_BATTERY, "battery, %", (0.0, 104.0), _battery, 24),
+        _Panel(_ALTITUDE, "altitude, m", (low, max(heights) + margin), _altitude, _told_altitude),
+        _Panel(_SPEED, "speed, m/s", (0.0, top), _speed, _told_speed),
+        _Panel(_BATTERY, "battery, %", (0.0, 104.0), _battery, _told_nothing, 24),
     )
-    for box, title, range_, value, spacing in panels:
+    for box, title, range_, value, told_value, spacing in panels:
         axes = axes_over(box, span, range_)
         axes.grid(canvas, y_spacing=spacing)
         for flight in flights:
             for color, part in _colored(flight, colors):
                 line = [(sample.time, value(sample)) for sample in part]
                 canvas.line(_thinned(axes.places(line)), color, 1.8)
+            for told in _runs_of(flight, told_value):
+                canvas.dashes(_apart(axes.near(told, 0), _TOLD_STEP), _TOLD)
             for sample, _ in flight.collisions:
                 x = axes.x.pixel(sample.time)
                 canvas.line([(x, box.top), (x, box.bottom)], _RED, 1.2)
@@ -320,10 +391,13 @@ def _colored(flight: Flight, colors: dict[str, Color]) -> Iterator[tuple[Color, 
 
 def _thinned(places: Sequence[XY]) -> Sequence[XY]:
     """The places of a line without those that change nothing to be seen."""
-    if len(places) <= _MOST_POINTS:
-        return places
+    return places if len(places) <= _MOST_POINTS else _apart(places, 0.5)
+
+
+def _apart(places: Sequence[XY], least: float) -> Sequence[XY]:
+    """The first and last place, and of those between some that are ``least`` pixels apart."""
     kept = [places[0]]
     for place in places:
-        if hypot(place[0] - kept[-1][0], place[1] - kept[-1][1]) >= 0.5:
+        if hypot(place[0] - kept[-1][0], place[1] - kept[-1][1]) >= least:
             kept.append(place)
     return [*kept, places[-1]]

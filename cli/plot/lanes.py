@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hal import PERIOD
-from runner.run_folder import Sample
+from runner.telemetry import Sample
 
 
 @dataclass(frozen=True)

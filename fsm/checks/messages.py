@@ -23,7 +23,7 @@ def unheard(graph: Graph) -> Iterator[Fault]:
                     nearest(message.id_, filter(None, ids), "an event's own name is its id"),
                     "warning",
                 )
-        elif not message.to and not _hears(graph, message.event):
+        elif not message.to and not hears(graph, message.event):
             yield _unheard(graph, message, "nobody here hears")
 
 
@@ -34,7 +34,7 @@ def undelivered(graph: Graph, receiver: Graph, name: str) -> Iterator[Fault]:
     for message in graph.messages:
         if message.to != name:
             continue
-        if not _hears(receiver, message.event):
+        if not hears(receiver, message.event):
             yield _unheard(receiver, message, f"'{name}' does not hear")
             continue
         declared = receiver.events.get(message.event, {})
@@ -53,7 +53,7 @@ def undelivered(graph: Graph, receiver: Graph, name: str) -> Iterator[Fault]:
                 yield Fault(code, text, value.where, f"its `events` say so: {message.event}")
 
 
-def _hears(graph: Graph, event: str) -> bool:
+def hears(graph: Graph, event: str) -> bool:
     """Whether a state may take an event, or the host reacts to it."""
     vocabulary = graph.vocabulary
     if vocabulary.is_urgent(event):

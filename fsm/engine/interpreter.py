@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import PurePath
 from typing import Any, Self
 
 from transitions.core import EventData
@@ -608,7 +609,9 @@ class Interpreter:
             if (where, what) in self.state.broken:
                 return
             self.state.broken.add((where, what))
-        fields = {"message": f"{what}: {plain(error)}", "where": str(where)}
+        # Without its folder: the same mission logs the same wherever it lies.
+        place = replace(where, file=PurePath(where.file).name)
+        fields = {"message": f"{what}: {plain(error)}", "where": str(place)}
         self.record("error", **fields)
         name, origin = "error.execution", PLATFORM
         if isinstance(error, NotSentError):

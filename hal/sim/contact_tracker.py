@@ -77,6 +77,12 @@ class ContactTracker:
         """Whether it has been at rest for long enough to end a landing."""
         return self.still >= _SETTLED
 
+    def look_below(self, state: BodyState) -> None:
+        """Find out what it stands on before it has touched anything."""
+        x, y, z = state[0]
+        hits = self._physics.rays([(x, y, z)], [(x, y, z - 2 * self._height)])
+        self.thing = hits.name(0) or ""
+
     def begin_period(self, state: BodyState, may_stand: bool) -> None:
         """Begin a mission period.
 

@@ -8,12 +8,13 @@ from types import MappingProxyType
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
 from hal.sim.airframe import Airframe
+from hal.sim.battery import Battery
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
 from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.rangefinder import SimRangefinder
-from hal.sim.settings import read_settings
+from hal.sim.settings import plain_settings, read_settings
 from hal.sim.starts import start_poses
 from hal.sim.vehicle import STEPS_PER_PERIOD, SimVehicle
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
@@ -33,9 +34,11 @@ class SimSession:
         starts = start_poses(world, options.vehicles, airframe.size)
         physics.add_things(world.things, world.ground.terrain)
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
+        chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
         alone = len(options.vehicles) == 1
         self._physics: Physics | None = physics
         self._engine = physics.name
+        self._settings = plain_settings(settings)
         self._places = world.places
         origin = world.origin
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
@@ -46,7 +49,7 @@ class SimSession:
                 physics,
                 airframe=airframe,
                 start=start,
-                charge=world.battery,
+                battery=Battery(airframe, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
                 obstacles=obstacles if alone else None,
             )
@@ -83,6 +86,10 @@ class SimSession:
     @property
     def engine(self) -> str:
         return self._engine
+
+    @property
+    def settings(self) -> Mapping[str, object]:
+        return self._settings
 
     @property
     def places(self) -> Mapping[str, Point]:

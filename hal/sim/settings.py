@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import isfinite
 
 from hal.renderers import check_renderer
-from hal.sim.sensors.camera_spec import CameraSpec, read_cameras
+from hal.sim.sensors.camera_spec import (
+    DEFAULT_CAMERAS,
+    CameraSpec,
+    plain_camera,
+    read_cameras,
+)
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 
@@ -58,3 +63,15 @@ def read_settings(given: Mapping[str, object]) -> Settings:
         check_renderer(given.get("renderer", "raster")),
         shadows,
     )
+
+
+def plain_settings(settings: Settings) -> dict[str, object]:
+    """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
+    without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
+    return {
+        "noise": settings.noise,
+        "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
+        "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
+        "renderer": settings.renderer,
+        "shadows": settings.shadows,
+    }

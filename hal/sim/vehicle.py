@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 
-from hal.base import BaseVehicle
+from hal.base import BaseVehicle, not_to_be_swapped
 from hal.lights import Lights, Rgb
 from hal.limits import Limits
 from hal.orders import DONE, UNDER_WAY, Decision, refused
@@ -41,7 +41,8 @@ STEPS_PER_PERIOD = 6
 """Physics steps in a mission period."""
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
-    | {"return_home", "emergency_stop", "reset", "trim", "lights", "battery", "limits"}
+    | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
+    | {"battery", "battery.swap"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -69,7 +70,7 @@ class SimVehicle(BaseVehicle):
         *,
         airframe: Airframe,
         start: StartPose,
-        charge: float,
+        battery: Battery,
         noise: CommandNoise,
         obstacles: ObstacleHeightGrid | None,
     ) -> None:
@@ -86,6 +87,7 @@ class SimVehicle(BaseVehicle):
                 "reset": self._decide_reset,
                 "trim": self._decide_trim,
                 "lights": self._decide_lights,
+                "swap_battery": self._decide_swap_battery,
             },
         )
         self.profiles = airframe.profiles
@@ -114,12 +116,14 @@ class SimVehicle(BaseVehicle):
         """The calls of each physics step, looked up once."""
         self._motors_run = self._may_touch = False
         """In this mission period."""
-        self._battery = Battery(airframe, charge)
+        self._battery = battery
         self._noise = noise
         self._contacts = ContactTracker(physics, self._body, airframe, obstacles)
         self._touchdown = Touchdown(self._contacts, airframe)
         self._unstable = False
         """True when it found in this period that it does not stand where it came down."""
+        if battery.chargers:
+            self._contacts.look_below(self._state)
         self._home = start.home
         self._time = 0.0
         self._mode = "landed"
@@ -286,6 +290,13 @@ class SimVehicle(BaseVehicle):
         idle = self._mode == "landed" and not self._armed
         return DONE if idle else refused("the motors are running")
 
+    def _decide_swap_battery(self) -> Decision:
+        reason = not_to_be_swapped(aloft=not self._contacts.supported, armed=self._armed)
+        if reason:
+            return refused(reason)
+        self._battery.swap()
+        return DONE
+
     def _decide_lights(self, lights: Lights) -> Decision:
         self._lights_before, self._lights_before_since = self._lights, self._lights_since
         self._lights, self._lights_since = lights, self._time
@@ -437,6 +448,8 @@ class SimVehicle(BaseVehicle):
         self._controller.acceleration = (0.0, 0.0, 0.0)
         self._battery.drain(self._thrust_sum / STEPS_PER_PERIOD, PERIOD)
         self._thrust_sum = 0.0
+        if self._battery.chargers and self._mode == "landed" and not self._armed:
+            self._battery.charge_on(self._contacts.thing, PERIOD)
         active = self._is_active()
         self._contacts.end_period(self._state, active, self._motors_run)
         self._unstable = False

@@ -19,7 +19,7 @@ from cli.plot.canvas import Box, Canvas, text_width
 from cli.plot.flight import flights_of, world_of
 from cli.plot.lanes import Bar, lanes_of
 from runner import read_run
-from runner.run_folder import Sample
+from runner.telemetry import Sample
 from tests.cli.run_cli import run_cli
 from vencejo.errors import UserError
 from vencejo.geometry import Point
@@ -165,6 +165,28 @@ def test_a_legend_of_many_states_is_never_cut(tmp_path: Path) -> None:
     dark = (tall < 128).all(axis=2)
     assert not dark[:, -4:].any() and not dark[-3:].any()
     assert dark[592 + 44 :].any(axis=1).sum() > 6 * rows
+
+
+FAR = """\
+mission: far
+states:
+  up: {do: takeoff, with: {altitude: 1 m}, on: {done: go}}
+  go: {do: goto, with: {to: [900000, 0, 1]}, on: {done: down, blocked: down}, after: {2 s: down}}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+
+
+@pytest.mark.parametrize("distance", ["3", "900000"])
+def test_set_points_are_drawn_beside_what_was_flown(distance: str, tmp_path: Path) -> None:
+    (tmp_path / "far.yaml").write_text(FAR.replace("900000", distance))
+    assert run_cli("run", "far.yaml", "--runs-dir", "runs").code == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    image = cv2.imread(str(folder / "flight.png"))
+    gray = (abs(image.astype(int) - 90) < 15).all(axis=2)
+    above, speed, battery = gray[64:590, 60:586], gray[294:410, 654:1260], gray[444:500, 654:1260]
+    assert above.any() and speed.sum() > 20
+    assert not battery.any(), "nobody commands a charge"
 
 
 def test_what_is_no_run_cannot_be_drawn(crashed: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from hal import Options, Session
 from hal.backends import not_heard
-from runner.run_folder import TELEMETRY_COLUMNS
+from runner.telemetry import COLUMNS
 from tests.cli.run_cli import run_cli
 
 Write = Callable[[str, str], str]
@@ -100,7 +100,7 @@ def test_telemetry_has_a_row_for_every_period(hop: str) -> None:
     run_cli("run", hop)
     with (only_run() / "telemetry.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == TELEMETRY_COLUMNS.split(",")
+    assert list(rows[0]) == COLUMNS.split(",")
     times = [float(row["t"]) for row in rows]
     assert times == pytest.approx([0.025 * n for n in range(1, len(rows) + 1)])
     assert rows[0]["state"] == "takeoff"

@@ -47,6 +47,43 @@ def test_a_flight_drains_what_hovering_costs() -> None:
         assert wait(session, 1)[-1].battery < after - 3 / AIRFRAME.endurance
 
 
+PADS = """\
+world: pads
+battery: 40 %
+start: {at: [0, 0, 0.2]}
+boxes:
+  pad: {at: [0, 0], size: [2, 2, 0.2], charges: 4000 W}
+  plain: {at: [4, 0], size: [2, 2, 0.2]}
+cylinders:
+  ferry:
+    radius: 1 m
+    height: 20 cm
+    charges: 400 W
+    moves: {through: [[8, 0], [8, 6]], speed: 20 cm/s}
+"""
+
+
+@pytest.mark.parametrize(("x", "power"), [(0.0, 4000.0), (4.0, 0.0), (8.0, 400.0)])
+def test_a_pad_charges_what_stands_on_it(x: float, power: float, tmp_path: Path) -> None:
+    world = tmp_path / "pads.yaml"
+    world.write_text(PADS.replace("at: [0, 0, 0.2]", f"at: [{x}, 0, 0.2]"))
+    with open_session(Options(world=str(world))) as session:
+        vehicle = only(session)
+        before = wait(session, 1)[-1].battery
+        net = (power - AIRFRAME.standby_power) / AIRFRAME.capacity
+        assert wait(session, 2)[-1].battery - before == pytest.approx(2 * net, rel=1e-6)
+        decided(session, vehicle.arm())
+        armed = vehicle.observe().battery
+        assert wait(session, 1)[-1].battery < armed, "its motors run"
+        decided(session, vehicle.disarm())
+        aloft = take_off(session, 2).observe().battery
+        assert wait(session, 1)[-1].battery < aloft
+        if power > 1000:
+            order = vehicle.land()
+            wait_until(session, lambda: order.ended, 10)
+            assert wait(session, 10)[-1].battery == 1.0, "full, and no more"
+
+
 def test_an_empty_battery_stops_the_motors(tmp_path: Path) -> None:
     world = tmp_path / "low.yaml"
     world.write_text("world: low\nbattery: 1 %\n")

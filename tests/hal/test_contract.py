@@ -233,7 +233,7 @@ def test_what_is_so_already_is_done_in_the_next_wait(session: Session, name: str
 
 
 def test_every_verb_has_a_time_in_which_it_must_be_done() -> None:
-    assert set(DONE_WITHIN) == {*VERBS, "lights"}
+    assert set(DONE_WITHIN) == {*VERBS, "lights", "swap_battery"}
     assert all(seconds >= ANSWER_WITHIN for seconds in DONE_WITHIN.values())
 
 
@@ -433,6 +433,22 @@ def test_lights_can_be_set_anywhere(session: Session) -> None:
     first, second = vehicle.lights(Lights("solid")), vehicle.lights(Lights("off"))
     session.wait()
     assert first is not second and first.state == second.state == "done"
+
+
+def test_a_battery_is_swapped_on_the_ground_with_the_motors_off(session: Session) -> None:
+    vehicle = needs(session, "battery.swap", "arm", "disarm")
+    decided(session, vehicle.arm())
+    order = decided(session, vehicle.swap_battery())
+    assert (order.state, order.reason) == ("refused", "the motors are running")
+    take_off(session)
+    wait(session, 2)
+    order = decided(session, vehicle.swap_battery())
+    assert (order.state, order.reason) == ("refused", "the vehicle is in the air")
+    assert vehicle.observe().mode == "flying"
+    finish(session, vehicle.land(), 20)
+    assert decided(session, vehicle.swap_battery()).state == "done"
+    assert vehicle.observe().battery == pytest.approx(1.0, abs=1e-4)
+    assert vehicle.observe().mode == "landed"
 
 
 def test_lights_come_between_no_orders_of_motion(session: Session) -> None:

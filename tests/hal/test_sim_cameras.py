@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import tracemalloc
+from collections.abc import Mapping
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -270,3 +272,23 @@ def test_a_flight_without_pictures_imports_nothing_for_them() -> None:
     command = [sys.executable, "-c", program]
     ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert ran.stdout.split() == ["False", "False"]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"noise": True, "renderer": "tiny", "shadows": True, "sensors": {"down": {"rate": 10}}},
+        {"cameras": {"front": None, "rear": {"pan": 3.0, "distortion": [0.1, 0.0, 0.0, 0.0]}}},
+        {"cameras": {"ventral": {"at": (0.0, 0.1, 0.0), "view": 1.0, "width": 64}}},
+    ],
+)
+def test_a_session_gives_back_its_settings(given: dict[str, object]) -> None:
+    def settings(these: Mapping[str, object]) -> Mapping[str, object]:
+        with open_session(Options(settings=these)) as session:
+            return session.settings
+
+    found = settings(given)
+    assert set(found) == {"noise", "cameras", "sensors", "renderer", "shadows"}
+    # Through JSON, as a log has them; and in the same sequence.
+    assert json.dumps(settings(json.loads(json.dumps(found)))) == json.dumps(found)

@@ -18,7 +18,8 @@ from hal.vehicle import Frame, Intrinsics
 from runner import missions
 from runner.appended_file import AppendedFile
 from runner.frames import FrameFiles
-from runner.loop import Plan, fly
+from runner.loop import fly
+from runner.plan import Plan
 from runner.preparation import prepare
 from runner.recorder import Recorder
 from vencejo.errors import UserError

@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
@@ -20,10 +21,20 @@ from hypothesis import strategies as st
 from behaviors import Pilot
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from hal.vehicle import Frame, Intrinsics, Observation
+from hal.limits import Limits
+from hal.vehicle import (
+    Attitude,
+    Frame,
+    Hold,
+    Intrinsics,
+    Observation,
+    Position,
+    Setpoint,
+    Velocity,
+)
 from runner import Plan, Recorder, Summary, fly, missions, prepare, read_run
+from runner.by_vehicle import ALONE
 from runner.run_folder import (
-    ALONE,
     Flown,
     Header,
     LogEntry,
@@ -32,6 +43,7 @@ from runner.run_folder import (
     Sample,
     summary_fields,
 )
+from runner.settings import MissionSettings, RunSettings
 from vencejo.errors import UserError
 from vencejo.geometry import Point, about_y, product, roll_pitch_of, yaw_quaternion
 
@@ -68,10 +80,10 @@ class Witness:
 
     def __init__(self) -> None:
         self.records: list[tuple[float, str, dict[str, Any]]] = []
-        self.seen: list[Observation] = []
+        self.seen: list[tuple[Observation, Setpoint | None, str]] = []
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
-        self.seen.append(pilot.channel.world)
+        self.seen.append((pilot.channel.world, pilot.channel.commanded, pilot.manoeuvre))
         self.records += [(pilot.channel.now, kind, fields) for kind, fields in records]
 
 
@@ -100,7 +112,9 @@ def folder(recorded: tuple[Path, Witness, Summary], tmp_path: Path) -> Path:
     return Path(shutil.copytree(recorded[0], tmp_path / "run"))
 
 
-def sample_of(seen: Observation, states: tuple[str, ...]) -> Sample:
+def sample_of(
+    seen: Observation, setpoint: Setpoint | None, manoeuvre: str, states: tuple[str, ...]
+) -> Sample:
     """The sample as it is written: rounded."""
 
     def rounded(point: Point) -> Point:
@@ -109,7 +123,30 @@ def sample_of(seen: Observation, states: tuple[str, ...]) -> Sample:
     roll, pitch = roll_pitch_of(seen.attitude)
     angles = [float(f"{value:.5f}") for value in (roll, pitch, seen.yaw, seen.battery)]
     place = rounded(seen.position), rounded(seen.velocity)
-    return Sample(float(f"{seen.time:.3f}"), *place, *angles, seen.mode, states)
+    told = as_written(setpoint), "" if setpoint else manoeuvre
+    return Sample(float(f"{seen.time:.3f}"), *place, *angles, seen.mode, states, *told)
+
+
+def as_written(setpoint: Setpoint | None) -> Setpoint | None:
+    """A set-point, rounded."""
+
+    def metres(value: float) -> float:
+        return float(f"{value:.4f}")
+
+    def angle(value: float | None) -> float | None:
+        return None if value is None else float(f"{value:.5f}")
+
+    match setpoint:
+        case Position(xyz, velocity, yaw, rate):
+            led = None if velocity is None else Point(*map(metres, velocity))
+            return Position(Point(*map(metres, xyz)), led, angle(yaw), angle(rate))
+        case Velocity(x, y, z, frame, rate):
+            return Velocity(*map(metres, (x, y, z)), frame, float(f"{rate:.5f}"))
+        case Attitude(roll, pitch, climb, thrust, rate, unit):
+            tilt = float(f"{roll:.5f}"), float(f"{pitch:.5f}"), metres(climb)
+            share = None if thrust is None else metres(thrust)
+            return Attitude(*tilt, share, float(f"{rate:.5f}"), unit)
+    return setpoint
 
 
 def test_a_whole_run_is_read_as_it_was(recorded: tuple[Path, Witness, Summary]) -> None:
@@ -126,7 +163,7 @@ def test_a_whole_run_is_read_as_it_was(recorded: tuple[Path, Witness, Summary]) 
     (samples,) = run.telemetry.values()
     assert [sample.states for sample in samples if sample.time in (0.025, 1.0)] == [("up",)] * 2
     assert list(samples) == [
-        sample_of(seen, sample.states) for seen, sample in zip(witness.seen, samples, strict=True)
+        sample_of(*seen, sample.states) for seen, sample in zip(witness.seen, samples, strict=True)
     ]
     assert len(run.frames) == 3
     assert run.missing == ()
@@ -135,6 +172,26 @@ def test_a_whole_run_is_read_as_it_was(recorded: tuple[Path, Witness, Summary]) 
     assert summary_fields(run.summary, None) == summary_fields(
         replace(summary, wall_time=run.summary.wall_time), None
     )
+
+
+def test_what_was_commanded_stands_beside_what_was_flown(folder: Path) -> None:
+    (samples,) = read_run(folder).telemetry.values()
+    kinds = [
+        (type(sample.setpoint).__name__ if sample.setpoint else sample.manoeuvre)
+        for sample in samples
+    ]
+    # An order is flown without set-points, and where nobody commands anything the pilot holds.
+    assert [kind for kind, _ in groupby(kinds)] == ["takeoff", "", "Hold", "land", ""]
+
+
+def test_telemetry_of_earlier_releases_is_read(folder: Path) -> None:
+    now = read_run(folder)
+    path = folder / "telemetry.csv"
+    lines = path.read_text().splitlines()
+    rows = [[*cells[:12], *cells[-2:]] for cells in (line.split(",") for line in lines)]
+    path.write_text("".join(",".join(row) + "\n" for row in rows))
+    (samples,), (known,) = read_run(folder).telemetry.values(), now.telemetry.values()
+    assert list(samples) == [sample._replace(setpoint=None, manoeuvre="") for sample in known]
 
 
 def test_frames_have_their_pictures_and_intrinsics(folder: Path) -> None:
@@ -264,7 +321,7 @@ def test_a_damaged_line_is_told_with_its_place(folder: Path) -> None:
         assert changed(folder, "telemetry.csv", "0.050,drone,", after).startswith(
             "telemetry.csv:3:1: error: this line cannot be read: "
         )
-    assert "cannot be read: it has 13 columns, not 14 [damaged-run]" in (
+    assert "cannot be read: it has 26 columns, not 27 [damaged-run]" in (
         changed(folder, "telemetry.csv", "0.050,drone,", "0.050,")
     )
     assert changed(folder, "frames.jsonl", '"intrinsics":', '"lens":').startswith(
@@ -312,6 +369,13 @@ OBSERVATIONS = st.builds(
     mode=WORDS,
     home=POINTS,
 )
+TURNS = st.floats(-9, 9)
+SETPOINTS = (
+    st.builds(Position, POINTS, st.none() | POINTS, st.none() | TURNS, st.none() | TURNS)
+    | st.builds(Velocity, NUMBERS, NUMBERS, NUMBERS, st.sampled_from(["world", "heading"]), TURNS)
+    | st.builds(Attitude, *[TURNS] * 3, st.none() | SHARES, TURNS, st.sampled_from(["si", "share"]))
+    | st.just(Hold())
+)
 STATES = st.lists(NAMES, max_size=2).map(tuple)
 HASHES = st.from_regex(r"[0-9a-f]{64}", fullmatch=True)
 MISSIONS = st.builds(MissionFacts, NAMES, HASHES, MAPS, st.dictionaries(WORDS, HASHES, max_size=2))
@@ -320,21 +384,36 @@ LENSES = st.builds(
     Intrinsics, *[st.integers(1, 999)] * 2, *[NUMBERS] * 4, st.lists(NUMBERS, max_size=5).map(tuple)
 )
 
+OWN = st.dictionaries(st.sampled_from(["noise", "cameras", "wind"]), NUMBERS | MAPS, max_size=2)
+LIMITS = st.builds(Limits, max_speed=st.none() | st.floats(0.1, 9))
+VALUES = st.dictionaries(NAMES, NUMBERS | WORDS | POINTS | st.lists(POINTS, max_size=2), max_size=2)
+
 
 @st.composite
 def headers(draw: st.DrawFn) -> Header:
     missions = {vehicle: draw(MISSIONS) for vehicle in draw(VEHICLES)}
     words = [draw(WORDS) for _ in range(4)]
-    return Header(missions, words[0], draw(HASHES), draw(st.integers()), *words[1:])
+    known = draw(st.none() | st.builds(dict, seed=st.integers(), own=OWN, limits=LIMITS))
+    flown = {name: MissionSettings(draw(WORDS), draw(VALUES)) for name in missions}
+    files = draw(st.dictionaries(WORDS, HASHES, max_size=2))
+    settings = RunSettings(flown, draw(WORDS), files, draw(WORDS), **known) if known else None
+    return Header(missions, words[0], draw(HASHES), draw(st.integers()), *words[1:], settings)
 
 
-def pilot_of(vehicle: str, seen: Observation, records: list[Record], states: list[str]) -> Pilot:
+def pilot_of(
+    vehicle: str,
+    seen: Observation,
+    records: list[Record],
+    states: list[str],
+    told: tuple[Setpoint | None, str] = (None, ""),
+) -> Pilot:
     """As much of a pilot as a recorder looks at."""
     return cast(
         Pilot,
         SimpleNamespace(
             vehicle=SimpleNamespace(name=vehicle),
-            channel=SimpleNamespace(world=seen),
+            channel=SimpleNamespace(world=seen, commanded=told[0]),
+            manoeuvre=told[1],
             instance=SimpleNamespace(records=records, paths=lambda: states),
         ),
     )
@@ -353,11 +432,12 @@ def test_what_is_written_is_what_is_read(header: Header, data: st.DataObject) ->
         for _ in range(data.draw(st.integers(0, 8))):
             name, seen = data.draw(st.sampled_from(names)), data.draw(OBSERVATIONS)
             records, now = data.draw(RECORDS), data.draw(STATES)
-            recorder.take(pilot_of(name, seen, list(records), list(now)))
+            told = data.draw(st.none() | SETPOINTS), data.draw(st.sampled_from(["", "takeoff"]))
+            recorder.take(pilot_of(name, seen, list(records), list(now), told))
             for kind, fields in records:
                 events.append(LogEntry(len(events), seen.time, name, kind, fields))
                 states[name] = now
-            row = sample_of(seen, states.get(name, ()))
+            row = sample_of(seen, *told, states.get(name, ()))
             telemetry.setdefault(name, []).append(row)
         recorder.close()
         run = read_run(folder)

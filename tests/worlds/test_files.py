@@ -204,6 +204,26 @@ def test_a_urdf_is_read(tmp_path: Path) -> None:
     assert (thing.kind, len(thing.parts), thing.solid) == ("model", 3, True)
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("m.urdf", '<robot><link name="a"><visual><geometry><mesh filename="in/w.obj"/></geometry>'
+         "</visual></link></robot>"),
+        ("m.sdf", '<sdf><model name="m"><link name="a"><visual><geometry><mesh><uri>in/w.obj</uri>'
+         "</mesh></geometry></visual></link></model></sdf>"),
+    ],
+)  # fmt: skip
+def test_the_meshes_of_a_model_are_files_of_the_world(name: str, text: str, tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "w.obj").write_text(WEDGE)
+    (tmp_path / name).write_text(text)
+    world = loaded(tmp_path, f"models: {{m: {{at: [0, 0], file: {name}}}}}")
+    assert [path.name for path in world.files[1:]] == [name, "w.obj"]
+    (tmp_path / "in" / "w.obj").write_text(WEDGE.replace("v 2 1 0", "v 3 1 0"))
+    again = loaded(tmp_path, f"models: {{m: {{at: [0, 0], file: {name}}}}}")
+    assert again.sha256 != world.sha256
+
+
 def test_an_sdf_is_read(tmp_path: Path) -> None:
     (tmp_path / "wedge.obj").write_text(WEDGE)
     (tmp_path / "lamp.sdf").write_text(SDF)

@@ -110,6 +110,12 @@ def _changed(name: str, spec: CameraSpec, settings: Mapping[Any, Any]) -> Camera
     return replace(spec, **{_SETTINGS[key]: setting for key, setting in settings.items()})
 
 
+def plain_camera(spec: CameraSpec) -> dict[str, object]:
+    """All settings of a camera as plain values, which :func:`read_cameras` takes."""
+    values = {setting: getattr(spec, field) for setting, field in _SETTINGS.items()}
+    return values | {"at": list(spec.at), "distortion": list(spec.distortion)}
+
+
 def _checked(name: str, spec: CameraSpec) -> CameraSpec:
     for key, (low, high) in _RANGES.items():
         value = getattr(spec, _SETTINGS[key])

@@ -1,0 +1,104 @@
+"""Repeating a run from its folder, with the folder's own copies of what it depended on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from behaviors import Calls
+from runner.kept_files import file_hash
+from runner.missions import Found
+from runner.plan import Assignment, Plan
+from runner.preparation import prepare
+from runner.run_folder import EVENTS, Header, read_header
+from runner.settings import RunSettings
+from vencejo.errors import Fault, UserError, Where
+from vencejo.version import __version__
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A run as its folder tells it, to be flown again."""
+
+    folder: Path
+    header: Header
+    settings: RunSettings
+
+    @classmethod
+    def read(cls, folder: Path) -> Recorded:
+        """Raises UserError: ``no-run`` and others of ``read_run``, ``no-settings`` for a run of a
+        release that did not keep them, ``changed-copy`` for each file that is not as it was flown.
+        """
+        header = read_header(folder)
+        if header.settings is None:
+            message = f"this run does not say with which settings it was flown, by {header.vencejo}"
+            place = Where(str(folder / EVENTS), 1, 1)
+            hint = "it was recorded before runs kept their settings; fly its mission anew"
+            raise UserError("no-settings", message, place, hint)
+        faults = list(_changed(folder, header.settings))
+        if faults:
+            raise UserError.of(faults)
+        return cls(folder, header, header.settings)
+
+    def plan(self, calls: Calls) -> Plan:
+        """The plan of that run. Runs the folder's Python files, as ``calls``. Raises UserError."""
+        settings, folder = self.settings, self.folder
+        world = str(folder / settings.world)
+        assignments = {}
+        for vehicle, mission in settings.missions.items():
+            path = folder / mission.file
+            prepared = prepare(Found(path, str(path)), world, calls=calls)
+            _require_same_parameters(set(prepared.graph.parameters), set(mission.parameters), path)
+            assignments[vehicle] = Assignment(prepared, mission.parameters)
+        plan = Plan(
+            assignments,
+            settings.backend,
+            settings.seed,
+            settings.own,
+            settings.connect,
+            settings.profile,
+            settings.limits,
+            folder / settings.camera_file if settings.camera_file else None,
+            settings.post,
+        )
+        if plan.world.sha256 != self.header.world_sha256:
+            where = Where(world)
+            raise _change("a file that this world names is not as it was flown", where)
+        return plan
+
+    def doubt(self) -> Fault | None:
+        """A warning where another release is at work than flew this run."""
+        flown = self.header.vencejo
+        if flown == __version__:
+            return None
+        message = f"this run was flown by vencejo {flown}; {__version__} may fly it otherwise"
+        return Fault("other-release", message, Where(str(self.folder)), severity="warning")
+
+
+def _changed(folder: Path, settings: RunSettings) -> Iterator[Fault]:
+    """A fault for each copy that is not there or not as it was flown."""
+    for name, flown in settings.files.items():
+        path = folder / name
+        try:
+            found = file_hash(path.read_bytes())
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            yield from _change(f"this copy cannot be read: {reason}", Where(str(path))).faults
+            continue
+        if found != flown:
+            message = f"this copy is not as it was flown: its SHA-256 is {found[:12]}…, and was "
+            yield from _change(f"{message}{flown[:12]}…", Where(str(path))).faults
+
+
+def _require_same_parameters(known: set[str], given: set[str], path: Path) -> None:
+    if known != given:
+        message = (
+            f"it has other parameters than the run gave it: {', '.join(sorted(known ^ given))}"
+        )
+        raise _change(message, Where(str(path)))
+
+
+def _change(message: str, where: Where) -> UserError:
+    hint = "put back what was flown; or fly the changed one as a mission: drone-cli run MISSION"
+    return UserError("changed-copy", message, where, hint)
