@@ -9,9 +9,10 @@ run: .venv/installed
 	@$(BIN)/drone-cli run first_flight --speed 2
 	@echo
 	@echo "Try next:"
-	@echo "  $(BIN)/drone-cli run beacon_route --speed 4"
-	@echo "  $(BIN)/drone-cli run first_flight -p side=8m -p speed=3m/s"
-	@echo "  $(BIN)/drone-cli missions survey_square"
+	@echo "  source $(BIN)/activate            (fish: source $(BIN)/activate.fish)"
+	@echo "  drone-cli run beacon_route --speed 4"
+	@echo "  drone-cli run first_flight -p side=8m -p speed=3m/s"
+	@echo "  drone-cli missions survey_square"
 
 test: .venv/dev
 	$(BIN)/python -m pytest -n $(JOBS)

@@ -17,6 +17,7 @@ from behaviors.params import (
     value,
 )
 from behaviors.pilot import Pilot
+from behaviors.plan import UNKNOWN, Legs, PlannedLeg, PlanStart
 from behaviors.registry import Registry, load_all
 from behaviors.trust import trusted
 from behaviors.vocabulary import drone_vocabulary
@@ -25,6 +26,7 @@ from fsm.host import Outcome
 from vencejo.geometry import Point
 
 __all__ = [
+    "UNKNOWN",
     "Area",
     "Behavior",
     "BehaviorParams",
@@ -33,10 +35,13 @@ __all__ = [
     "Face",
     "Flight",
     "Heading",
+    "Legs",
     "MissionFrame",
     "NotInControl",
     "Outcome",
     "Pilot",
+    "PlanStart",
+    "PlannedLeg",
     "Point",
     "Registry",
     "Route",

@@ -12,6 +12,7 @@ from fsm.host import BehaviorInfo, Outcome
 
 if TYPE_CHECKING:
     from behaviors.flight import Flight
+    from behaviors.plan import Legs, PlanStart
 
 
 class Behavior:
@@ -43,6 +44,16 @@ class Behavior:
     """True when every ``done`` leaves the vehicle in the air, wherever it was."""
     needs_flight: ClassVar[bool] = False
     """True when it moves a vehicle that is in the air already."""
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        """Say before the flight where it will fly: its legs up to its end, or as long as it runs.
+
+        ``params`` are the parameters as ``self.params`` has them. What is known in flight only is
+        :data:`behaviors.plan.UNKNOWN`, there and in ``start``; what is computed of that raises
+        NotKnown, which makes the plan unknown. None: it is not known where it flies.
+        """
+        return None
 
     def __init__(self, params: Any) -> None:
         self.params = params

@@ -50,14 +50,20 @@ def flaws_of(behavior: type[Behavior]) -> Iterator[Flaw]:
         )
     for word, method in METHODS.items():
         function = getattr(behavior, word)
-        message = _mistake_in(function, method.arguments)
+        message = _mistake_in(function, ("self", *method.arguments))
         if message:
-            line = getattr(function, "__code__", None)
             yield Flaw(
-                line.co_firstlineno if line else _line_of_class(behavior),
+                _line_of_function(function, behavior),
                 f"`{word}` of '{name}' {message}",
                 f"write `{method.written}`",
             )
+    message = _mistake_in_plan(behavior.plan)
+    if message:
+        yield Flaw(
+            _line_of_function(behavior.plan, behavior),
+            f"`plan` of '{name}' {message}",
+            "write `@classmethod`, and under it `def plan(cls, params, start): …`",
+        )
     for word in ("controls", "requires"):
         value = getattr(behavior, word)
         if isinstance(value, str) or not all(isinstance(each, str) for each in value):
@@ -68,15 +74,22 @@ def flaws_of(behavior: type[Behavior]) -> Iterator[Flaw]:
             )
 
 
+def _mistake_in_plan(plan: Any) -> str:
+    """What keeps the plan of a class from being asked for; empty for nothing."""
+    if callable(plan) and not inspect.ismethod(plan):
+        return "is no class method: it is asked of the class, before there is a behaviour"
+    return _mistake_in(plan, ("params", "start"))
+
+
 def _mistake_in(function: Any, arguments: tuple[str, ...]) -> str:
-    """What keeps a method from being called with these arguments; empty for nothing."""
+    """What keeps a function from being called with these arguments; empty for nothing."""
     if not callable(function):
         return "is no method"
     if inspect.isgeneratorfunction(function) or inspect.isasyncgenfunction(function):
         return "has a `yield` in it, so that a call of it does nothing"
     if inspect.iscoroutinefunction(function):
         return "is `async`, so that a call of it does nothing"
-    return _misfit(function, ("self", *arguments))
+    return _misfit(function, arguments)
 
 
 def _misfit(function: Callable[..., Any], arguments: tuple[str, ...]) -> str:
@@ -94,6 +107,11 @@ def _misfit(function: Callable[..., Any], arguments: tuple[str, ...]) -> str:
     except TypeError as error:
         return f"cannot be called with {', '.join(arguments)}: {error}"
     return ""
+
+
+def _line_of_function(function: Any, behavior: type[Behavior]) -> int:
+    code = getattr(function, "__code__", None)
+    return code.co_firstlineno if code else _line_of_class(behavior)
 
 
 def _line_of_class(behavior: type[Behavior]) -> int:

@@ -7,7 +7,7 @@ north, up). When the origin of the world frame jumps, the mission frame stays wh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from behaviors.params import Face, Heading, Waypoint
 from fsm.values.functions import EvaluationError, shown
@@ -18,6 +18,16 @@ from vencejo.geometry import Point, distance, enu_of, rotate_xy
 STANDS_ON_HOME = 0.05
 """A vehicle on the ground that is nearer to home than this stands on it, metres."""
 _ZERO = Point(0.0, 0.0, 0.0)
+
+
+class Pose(Protocol):
+    """What relative points count from, mission frame: an observation has it."""
+
+    @property
+    def position(self) -> Point: ...
+
+    @property
+    def yaw(self) -> float: ...
 
 
 class MissionFrame:
@@ -77,12 +87,12 @@ class MissionFrame:
     def to_world(self, point: Point) -> Point:
         return point.plus(self.origin)
 
-    def point(self, given: Any, start: Observation) -> Point:
+    def point(self, given: Any, start: Pose) -> Point:
         """The mission-frame point of a value as missions write it.
 
-        ``start`` is the observation (mission frame) when the behaviour began: a coordinate that
-        is not given stays as it was then. Raises EvaluationError for an unknown place, a value
-        that is no point, or a geographic point where the vehicle has no geographic position.
+        ``start`` is the pose when the behaviour began: a coordinate that is not given stays as it
+        was then. Raises EvaluationError for an unknown place, a value that is no point, or a
+        geographic point where the vehicle has no geographic position.
         """
         here = start.position
         if isinstance(given, Point):
@@ -122,13 +132,13 @@ class MissionFrame:
         """A point of the world frame before any jump, which is what people write down."""
         return self.from_world(point.plus(self.origin_shift))
 
-    def heading(self, given: Any, start: Observation) -> Heading:
+    def heading(self, given: Any, start: Pose) -> Heading:
         """The heading of a value as missions write it. Raises as :meth:`point` does."""
         if isinstance(given, Mapping):
             return Face(self.point(given["face"], start))
         return given if isinstance(given, str) else float(given)
 
-    def resolve(self, type_: Type, given: Any, start: Observation) -> Any:
+    def resolve(self, type_: Type, given: Any, start: Pose) -> Any:
         """A checked value in the form that behaviours use: Point, Heading, Route or Area.
 
         Values of other types are returned as they are. Raises as :meth:`point` does.
@@ -145,7 +155,7 @@ class MissionFrame:
             return [self.point(element, start) for element in given]
         return given
 
-    def _waypoint(self, given: Any, start: Observation) -> Waypoint:
+    def _waypoint(self, given: Any, start: Pose) -> Waypoint:
         if isinstance(given, Mapping) and "at" in given:
             heading = given.get("heading")
             return Waypoint(

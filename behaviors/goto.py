@@ -9,6 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.leg import Approach, Arrival, Blocked, Leg
 from behaviors.params import BehaviorParams, Heading, live, param
+from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
 from vencejo.geometry import Point
 
@@ -35,6 +36,10 @@ class GoTo(Behavior):
     publishes = Approach
     requires = ("position", "velocity")
     needs_flight = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        return [leg_to(start, start.position, params.to, params.speed, params.heading)]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params = self.params

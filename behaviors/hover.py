@@ -9,6 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.guidance import NEARBY, Reference, yaw_towards
 from behaviors.params import BehaviorParams, Heading, live
+from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
 from vencejo.geometry import Point, distance
 
@@ -26,6 +27,11 @@ class Hover(Behavior):
     outcomes: ClassVar[Mapping[str, type | None]] = {}
     requires = ("position",)
     needs_flight = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        to = start.position if params.at is None else params.at
+        return [leg_to(start, start.position, to, SPEED, params.heading)]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         seen = flight.observation

@@ -9,6 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.landing import PendingLanding
 from behaviors.params import BehaviorParams, param
+from behaviors.plan import Legs, PlannedLeg, PlanStart
 from fsm.host import Outcome
 
 
@@ -24,6 +25,10 @@ class Land(Behavior):
 
     requires = ("land",)
     ends_landed = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        return [PlannedLeg(start.position._replace(z=start.ground), yaw=start.yaw)]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         self.pending = PendingLanding(flight.land, flight.now, self.params.timeout, progress)

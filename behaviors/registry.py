@@ -17,8 +17,8 @@ from behaviors.behavior import Behavior, describe
 from behaviors.calls import Calls, CodeFailed
 from behaviors.host_functions import HOST_FUNCTIONS
 from fsm.host import BehaviorInfo, Function
-from vencejo.errors import Fault, UserError, Where, nearest
-from vencejo.files import file_inside
+from vencejo.errors import Fault, UserError, Where
+from vencejo.files import file_inside, nearest_file
 from vencejo.nodes import Scalar
 from vencejo.plugins import plugins
 
@@ -103,7 +103,9 @@ def path_of(scalar: Scalar, folder: Path) -> Path:
     path = file_inside(folder, scalar, "Python that a mission uses")
     if not path.is_file():
         files = [str(file.relative_to(folder)) for file in folder.glob("*.py")]
-        hint = nearest(name, files, None if files else "no Python file lies beside the mission")
+        hint = nearest_file(
+            name, files, None if files else "no Python file lies beside the mission"
+        )
         raise UserError("no-such-file", f"there is no file '{name}'", where, hint)
     return path
 

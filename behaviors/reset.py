@@ -9,6 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.manoeuvre import PendingOrder
 from behaviors.params import BehaviorParams, param
+from behaviors.plan import Legs, PlanStart
 from fsm.host import Outcome
 
 
@@ -19,6 +20,10 @@ class Reset(Behavior):
         timeout: float = param(30.0, unit="s", min=0.1, help="then it has failed")
 
     requires = ("reset",)
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        return []
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         self.pending = PendingOrder(flight.reset(), flight.now, self.params.timeout, progress)

@@ -9,7 +9,9 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.landing import PendingLanding
 from behaviors.params import BehaviorParams, param
+from behaviors.plan import Legs, PlannedLeg, PlanStart
 from fsm.host import Outcome
+from vencejo.geometry import Point
 
 
 class ReturnHome(Behavior):
@@ -25,6 +27,13 @@ class ReturnHome(Behavior):
 
     requires = ("return_home",)
     ends_landed = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        position = start.position
+        height = max(position.z, start.return_height)
+        above, home = position._replace(z=height), Point(0.0, 0.0, 0.0)
+        return [PlannedLeg(to, yaw=start.yaw) for to in (above, home._replace(z=height), home)]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         order, timeout = flight.return_home, self.params.timeout

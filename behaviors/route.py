@@ -11,6 +11,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.leg import Arrival, Blocked, Leg
 from behaviors.params import BehaviorParams, Heading, Route, Waypoint, param, value
+from behaviors.plan import Legs, PlannedLeg, PlanStart, leg_to
 from fsm.host import Outcome
 from vencejo.geometry import Point
 
@@ -38,8 +39,8 @@ class Reached:
 class FlyRoute(Behavior):
     """Fly points in order; each may have its own ``{at, heading, speed, dwell}``.
 
-    A point is reached inside ``tolerance`` (the straight-line threshold of the beacon application
-    of Yagüe, 2015); without a dwell the vehicle goes on at once. The last one is held afterwards.
+    A point is reached inside ``tolerance``; without a dwell the vehicle goes on at once. The last
+    one is held afterwards.
     Raises ``route.reached`` at each point. Ends in ``blocked`` like a goto. Entered again by way
     of a history state, it goes on with the point it was heading for.
     """
@@ -51,6 +52,7 @@ class FlyRoute(Behavior):
         speed: float = param(2.0, unit="m/s", min=0.05, max=20.0, help="where a point names none")
         heading: Heading = param("travel", help="where a point names none")
         dwell: float = param(0.0, unit="s", min=0.0, help="stay at each point")
+        # The threshold for straight lines of the beacon application of Yagüe, 2015.
         tolerance: float = param(0.5, unit="m", min=0.02, help="distance that counts as reached")
         yaw_tolerance: float = param(
             0.15, unit="rad", min=0.01, help="where a heading is asked for"
@@ -62,6 +64,18 @@ class FlyRoute(Behavior):
     publishes = Passage
     requires = ("position", "velocity")
     needs_flight = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        legs: list[PlannedLeg] = []
+        here = start.position
+        for point in params.points:
+            heading = params.heading if point.heading is None else point.heading
+            dwell = params.dwell if point.dwell is None else point.dwell
+            speed = params.speed if point.speed is None else point.speed
+            legs.append(leg_to(start, here, point.at, speed, heading, dwell))
+            here = point.at
+        return legs
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         progress = progress or {}

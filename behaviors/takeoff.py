@@ -9,6 +9,7 @@ from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.manoeuvre import PendingOrder
 from behaviors.params import BehaviorParams, param
+from behaviors.plan import Legs, PlannedLeg, PlanStart
 from fsm.host import Outcome
 
 
@@ -25,6 +26,13 @@ class Takeoff(Behavior):
 
     requires = ("takeoff",)
     takes_off = True
+
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        if start.flying:
+            return []  # it stays where it is
+        top = start.position.plus((0.0, 0.0, params.altitude))
+        return [PlannedLeg(top, yaw=start.yaw)]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         order = flight.takeoff(self.params.altitude)

@@ -7,7 +7,7 @@ import sys
 
 BENCHMARKS = (
     "first_flight", "startup", "hold", "gotos", "latency", "engine", "conformance", "safety",
-    "worlds", "cameras",
+    "soundness", "worlds", "cameras",
 )  # fmt: skip
 
 for name in BENCHMARKS:

@@ -47,7 +47,7 @@ def regions(states: int, count: int) -> str:
 CASES = {
     "a line of 200 states": (line(200), []),
     "two regions, 200 states": (regions(200, 2), []),
-    "three regions, 120 states": (regions(120, 3), []),
+    "three regions, 60 states": (regions(60, 3), []),
     "three regions, 200 states": (regions(200, 3), ["not-proven"]),
 }
 """Name → mission and the codes of its warnings."""

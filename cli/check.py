@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import click
 
 from behaviors import Calls
-from cli.options import MissionName, call_limit_option
+from cli.fixes import fix_of
+from cli.options import (
+    Length,
+    LimitSettings,
+    MissionName,
+    WorldName,
+    call_limit_option,
+    limits,
+)
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
 from fsm.language.reader import FLEET
-from hal import backend_capabilities
+from hal import backend_capabilities, flight_model
 from runner import missions
-from runner.preparation import check_fleet_file, prepare
+from runner.call_limit import CallLimit
+from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
+from runner.plan import Plan
+from runner.preparation import Prepared, check_fleet_file, prepare
+from runner.trial_flights import TrialFlight, fly_trials
 from vencejo.errors import Fault, UserError
 
 
@@ -30,6 +45,12 @@ class Report:
     graphs: tuple[Graph, ...] = ()
     """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
+    prepared: Prepared | None = None
+    """A mission without errors."""
+    findings: Findings | None = None
+    """What was found of where it flies."""
+    flights: tuple[TrialFlight, ...] = ()
+    """Its trial flights."""
 
     @property
     def states(self) -> int:
@@ -49,8 +70,37 @@ class Report:
 
 @click.command()
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
-@click.option("--world", metavar="NAME|FILE", help="Check against another world.")
+@click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
+@click.option(
+    "--limit",
+    "limit_settings",
+    multiple=True,
+    callback=limits,
+    metavar="NAME=VALUE|PROFILE",
+    help="Check against limits of flight, as for `run`. Repeatable.",
+)
+@click.option(
+    "--clearance",
+    type=Length(),
+    default=f"{CLEARANCE:g}m",
+    show_default=True,
+    help="Warn of legs that pass nearer than this to a thing.",
+)
+@click.option(
+    "--fly",
+    "count",
+    type=click.IntRange(1, 10_000),
+    metavar="N",
+    help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
+)
+@click.option(
+    "--noise",
+    type=click.FloatRange(0, 10),
+    default=0.0,
+    show_default=True,
+    help="Disturb the commands of these flights, as for `run`.",
+)
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -59,6 +109,10 @@ def check(
     missions_: tuple[str, ...],
     world: str | None,
     backend: str | None,
+    limit_settings: LimitSettings,
+    clearance: float,
+    count: int | None,
+    noise: float,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -68,29 +122,68 @@ def check(
 
     All mistakes of a file are reported at once, with file:line:column and a hint, the errors
     before the warnings; under GitHub Actions as annotations too. With --no-code a mission's own
-    behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not.
+    behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not; with --fly 1
+    when all may but a flight did not end in `done`.
     """
-    with user_code(call_limit) as limit:
-        reports = [_report(mission, world, not no_code, limit.calls) for mission in missions_]
+    model = flight_model(backend or "sim")
+    terms = Terms(model, limit_settings.on(model), clearance)
+    with _no_garbage(), user_code(call_limit) as limit:
+        reports = [_report(m, world, terms, not no_code, limit.calls) for m in missions_]
     if backend is not None:
         offered = backend_capabilities(backend)
         reports = [_compared(report, backend, offered) for report in reports]
+    if count is not None:
+        if no_code:
+            raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
+        with user_code(call_limit) as limit:
+            reports = [_flown(r, count, noise, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
     else:
         for report in reports:
             _print(report, strict)
-    sys.exit(2 if any(report.wrong(strict) for report in reports) else 0)
+    if any(report.wrong(strict) for report in reports):
+        sys.exit(2)
+    sys.exit(int(any(flight.outcome != "done" for r in reports for flight in r.flights)))
 
 
-def _report(mission: str, world: str | None, code: bool, calls: Calls) -> Report:
+@contextmanager
+def _no_garbage() -> Iterator[None]:
+    """Look for no garbage meanwhile: a graph stays, and going through a large one again and again
+    would be a third of a check's time.
+    """
+    gc.disable()
     try:
-        graph = prepare(missions.find(mission), world, code=code, calls=calls).graph
+        yield
+    finally:
+        gc.enable()
+
+
+def _flown(
+    report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
+) -> Report:
+    """The report with trial flights of a mission without errors."""
+    if report.prepared is None or report.of("error"):
+        return report
+    plan = replace(
+        Plan.alone(report.prepared, settings={"noise": noise}),
+        profile=limit_settings.profile,
+        limits=limit_settings.limits,
+    )
+    return replace(report, flights=tuple(fly_trials(plan, range(count), limit)))
+
+
+def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
+    try:
+        prepared = prepare(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
         if error.code != FLEET:
             return Report(mission, error.faults)
     else:
-        return Report(mission, graph.warnings, (graph,))
+        graph = prepared.graph
+        findings = check_geometry(graph, prepared.world, terms, calls=calls)
+        told = (*graph.warnings, *findings.faults)
+        return Report(mission, told, (graph,), prepared=prepared, findings=findings)
     try:
         faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
@@ -125,12 +218,21 @@ def _shown(report: Report) -> dict[str, Any]:
         found["states"] = report.states
     if report.fleet:
         found["fleet"] = True
-    faults = [
-        {**asdict(fault), "where": str(fault.where) if fault.where else None}
-        for fault in report.faults
-    ]
+    faults = [_told(fault) for fault in report.faults]
+    if report.findings is not None:
+        found["unknown"] = list(report.findings.unknown)
+    if report.flights:
+        from cli.trials import trial_fields
+
+        found |= trial_fields(report.graphs[0], report.flights)
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
+
+
+def _told(fault: Fault) -> dict[str, Any]:
+    fix = fix_of(fault)
+    where = str(fault.where) if fault.where else None
+    return {**asdict(fault), "where": where, "fix": asdict(fix) if fix else None}
 
 
 def _print(report: Report, strict: bool) -> None:
@@ -146,6 +248,34 @@ def _print(report: Report, strict: bool) -> None:
         what = "a fleet without mistakes" if report.fleet else "may fly"
         states = f"{report.states} state{'s'[: report.states != 1]}"
         click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
+    if report.findings is not None:
+        for note in _notes(report.findings):
+            click.echo(f"  {note}")
+    if report.flights:
+        from cli.trials import trial_lines
+
+        for line in trial_lines(report.graphs[0], report.flights):
+            click.echo(f"  {line}")
+
+
+def _notes(findings: Findings) -> Iterator[str]:
+    """What the check could not look at, for people."""
+    if findings.unknown:
+        fly = "flies" if len(findings.unknown) == 1 else "fly"
+        yield f"known in flight only: where {_joined(findings.unknown)} {fly}, and from there on"
+    if findings.moving:
+        come = "comes" if len(findings.moving) == 1 else "come"
+        yield f"known in flight only: how near {_joined(findings.moving)} {come}, moving"
+    if not findings.complete:
+        yield "not looked at: some ways through this mission, which has more than are followed"
+
+
+def _joined(names: Sequence[str], most: int = 8) -> str:
+    """``'a', 'b' and 'c'``; of many the first."""
+    shown = [f"'{name}'" for name in names[:most]]
+    if len(names) > most:
+        shown.append(f"{len(names) - most} more")
+    return " and ".join([", ".join(shown[:-1]), shown[-1]]) if len(shown) > 1 else shown[0]
 
 
 def annotation(fault: Fault, severity: str) -> str:

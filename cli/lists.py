@@ -1,10 +1,11 @@
-"""Small commands, most of them lists: missions, behaviors, worlds, picture, completion."""
+"""Small commands, most of them lists: missions, behaviors, worlds, picture."""
 
 from __future__ import annotations
 
 import json
-import shutil
+from contextlib import suppress
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,12 @@ import click
 
 from cli.look import VIEWS
 from cli.options import (
+    BehaviorName,
     MissionName,
     Viewpoint,
     Word,
+    WorldName,
+    as_used,
     call_limit_option,
     renderer_option,
     shadows_option,
@@ -22,14 +26,17 @@ from cli.options import (
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import BehaviorInfo, Parameter
+from fsm.host import Function
 from hal.renderers import show_window
 from runner import missions as known
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import UserError, Where, cannot_write, nearest
+from vencejo.files import write_whole
 from vencejo.units import UNITS, format_quantity
 from worlds import World, find_world, world_families, world_names
+from worlds.world import Fence
 
 
-def _plain(docstring: str) -> str:
+def plain(docstring: str) -> str:
     """A docstring as a terminal shows it."""
     return docstring.replace("``", "`")
 
@@ -67,7 +74,7 @@ def missions(name: str | None, copy: bool, call_limit: float | None, as_json: bo
     click.echo(f"  world  {graph.world or 'empty'}")
     if graph.parameters:
         click.echo("\nparameters (set with -p NAME=VALUE):")
-        _table([(f"  {p.name}", _described(p)) for p in graph.parameters.values()])
+        _table([(f"  {p.name}", described(p)) for p in graph.parameters.values()])
 
 
 def _list_missions(as_json: bool) -> None:
@@ -107,8 +114,16 @@ def _copy(path: Path) -> None:
     target = known.own_folder() / path.name
     if target.exists():
         raise UserError("exists", f"'{target}' exists already", Where(str(target)))
-    target.parent.mkdir(exist_ok=True)
-    shutil.copyfile(path, target)
+    begun = not target.parent.exists()
+    try:
+        target.parent.mkdir(exist_ok=True)
+        write_whole(target, path.read_bytes())
+    except OSError as error:
+        if begun:
+            with suppress(OSError):
+                target.parent.rmdir()
+        message = "the copy cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(target))) from None
     click.echo(f"copied to {target}; `drone-cli run {path.stem}` now flies your copy")
 
 
@@ -122,45 +137,66 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
     }
 
 
-def _described(parameter: Parameter) -> str:
+def described(parameter: Parameter) -> str:
+    """Type, default and help of a parameter, as people read them."""
     if parameter.required:
         default = "required"
     elif parameter.default is None:
         default = "default: none"
+    elif isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool):
+        default = f"default: {_in_its_unit(parameter, parameter.default)}"
     else:
-        dimension = getattr(parameter.type, "dimension", None)
-        if isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool):
-            unit = UNITS[parameter.unit][1] if parameter.unit else dimension
-            default = f"default: {format_quantity(parameter.default, unit)}"
-        else:
-            default = f"default: {json.dumps(parameter.default)}"
+        default = f"default: {json.dumps(parameter.default)}"
     live = ", live" if parameter.live else ""
     return f"{parameter.type} ({default}{live})  {parameter.help}".rstrip()
 
 
+def _in_its_unit(parameter: Parameter, number: float) -> str:
+    """A number in the unit that the parameter is declared in, if it is."""
+    if parameter.unit:
+        return f"{number / UNITS[parameter.unit][0]:g} {parameter.unit}"
+    return format_quantity(number, getattr(parameter.type, "dimension", None))
+
+
 @click.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, type=BehaviorName())
+@click.option(
+    "--uses",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Those of a Python file too, as a mission names it under `uses`.",
+)
 @call_limit_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def behaviors(name: str | None, call_limit: float | None, as_json: bool) -> None:
-    """List the behaviours that missions are composed of, or explain NAME."""
-    from behaviors import Registry
+def behaviors(name: str | None, uses: Path | None, call_limit: float | None, as_json: bool) -> None:
+    """List the behaviours that missions are composed of, or explain NAME.
+
+    With --uses FILE and no NAME those of that file alone are listed, and its functions.
+    """
+    from behaviors import Registry, load_all
 
     with user_code(call_limit) as limit:
-        catalog = Registry(calls=limit.calls)
-        wanted = [each for each in catalog if name in (None, each)]
-        found = {each: catalog[each] for each in wanted}
+        installed = Registry(calls=limit.calls)
+        own = load_all([as_used(uses)], limit.calls) if uses else {}
+        listed = own or installed if name is None else [name]
+        found = {
+            each: own.get(each) or installed[each]
+            for each in listed
+            if each in own or each in installed
+        }
     if name is None:
-        rows = [(key, _plain(info.help).partition("\n")[0]) for key, info in found.items()]
+        rows = [(key, plain(info.help).partition("\n")[0]) for key, info in found.items()]
         if as_json:
-            echo_json([{"behavior": key, "help": text} for key, text in rows])
+            echo_json([{_kind(found[key]): key, "help": text} for key, text in rows])
         else:
             _table(rows)
             click.echo("\ndrone-cli behaviors NAME tells its parameters and outcomes.")
         return
     if name not in found:
         raise UserError(
-            "unknown-behaviour", f"there is no behaviour '{name}'", hint=nearest(name, catalog)
+            "unknown-behaviour",
+            f"there is no behaviour '{name}'",
+            hint=nearest(name, [*own, *installed]),
         )
     if as_json:
         echo_json(_behavior_facts(found[name]))
@@ -168,14 +204,23 @@ def behaviors(name: str | None, call_limit: float | None, as_json: bool) -> None
         _explain(found[name])
 
 
-def _behavior_facts(behavior: BehaviorInfo) -> dict[str, Any]:
+def _kind(info: BehaviorInfo | Function) -> str:
+    return "behavior" if isinstance(info, BehaviorInfo) else "function"
+
+
+def _behavior_facts(behavior: BehaviorInfo | Function) -> dict[str, Any]:
     def names(fields: Any) -> dict[str, str]:
         return {name: str(type_) for name, type_ in fields.items()}
 
-    return {
-        "behavior": behavior.name,
-        "help": _plain(behavior.help),
+    facts = {
+        _kind(behavior): behavior.name,
+        "help": plain(behavior.help),
         "parameters": {p.name: _parameter(p) for p in behavior.parameters.values()},
+    }
+    if isinstance(behavior, Function):
+        return facts
+    return {
+        **facts,
         "outcomes": {word: names(fields) for word, fields in behavior.outcomes.items()},
         "events": {event: names(fields) for event, fields in behavior.events.items()},
         "publishes": names(behavior.publishes),
@@ -185,11 +230,18 @@ def _behavior_facts(behavior: BehaviorInfo) -> dict[str, Any]:
     }
 
 
-def _explain(behavior: BehaviorInfo) -> None:
-    click.echo(f"{behavior.name}\n\n{_plain(behavior.help)}\n")
-    if behavior.parameters:
+def _explain(behavior: BehaviorInfo | Function) -> None:
+    click.echo(f"{behavior.name}\n\n{plain(behavior.help)}\n")
+    if isinstance(behavior, Function):
+        click.echo("a function: `call` it in actions; its arguments:")
+    elif behavior.parameters:
         click.echo("parameters (`live` ones may also stand under `live:`):")
-        _table([(f"  {p.name}", _described(p)) for p in behavior.parameters.values()])
+    _table([(f"  {p.name}", described(p)) for p in behavior.parameters.values()])
+    if isinstance(behavior, BehaviorInfo):
+        _explain_ends(behavior)
+
+
+def _explain_ends(behavior: BehaviorInfo) -> None:
     outcomes = [
         (f"  {word}", f"event: {', '.join(fields)}" if fields else "")
         for word, fields in behavior.outcomes.items()
@@ -207,7 +259,7 @@ def _explain(behavior: BehaviorInfo) -> None:
 
 
 @click.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, type=WorldName())
 @click.option(
     "--render",
     "picture_file",
@@ -227,7 +279,9 @@ def _explain(behavior: BehaviorInfo) -> None:
 @shadows_option
 @click.option("--gui", is_flag=True, help="Show it in a window.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.pass_context
 def worlds(
+    ctx: click.Context,
     name: str | None,
     picture_file: Path | None,
     camera: str,
@@ -240,6 +294,11 @@ def worlds(
     """List the worlds there are, or show NAME (a shipped one, roads:17, or a file)."""
     if bool(picture_file) + gui + as_json > 1:
         raise UserError("bad-usage", "--render, --gui and --json exclude one another")
+    for option in ("camera", "at", "renderer", "shadows"):
+        given = ctx.get_parameter_source(option) == click.core.ParameterSource.COMMANDLINE
+        if given and not picture_file:
+            hint = "drone-cli worlds yard --camera top --render yard.png"
+            raise UserError("bad-usage", f"--{option} is for a picture: --render FILE", hint=hint)
     if name is None:
         if picture_file or gui:
             raise UserError(
@@ -249,8 +308,10 @@ def worlds(
         return
     world = find_world(name)
     if picture_file:
-        from cli.look import render
+        from cli.look import hidden_by, render
 
+        for fault in hidden_by(world, at) if at else ():
+            click.echo(str(fault), err=True)
         render(world, picture_file, camera, at, renderer, shadows)
         click.echo(picture_file)
     elif gui:
@@ -268,7 +329,7 @@ def _list_worlds(as_json: bool) -> None:
         return
     _table(rows)
     click.echo("\ngenerated, by number (roads:17):")
-    _table([(f"  {family}", _plain(text)) for family, text in world_families().items()])
+    _table([(f"  {family}", plain(text)) for family, text in world_families().items()])
 
 
 def _world_facts(world: World) -> dict[str, Any]:
@@ -278,10 +339,17 @@ def _world_facts(world: World) -> dict[str, Any]:
         "file": str(world.source),
         "origin": asdict(world.origin) if world.origin else None,
         "battery": world.battery,
+        "fence": _fence_facts(world.fence) if world.fence else None,
         "start": list(world.starts[0].at),
         "things": _contents(world),
         "places": {place: list(point) for place, point in world.places.items()},
     }
+
+
+def _fence_facts(fence: Fence) -> dict[str, Any]:
+    heights = {"floor": fence.floor, "ceiling": fence.ceiling}
+    known = {key: height for key, height in heights.items() if isfinite(height)}
+    return {"through": [list(corner) for corner in fence.corners], **known}
 
 
 def _describe_world(world: World) -> None:
@@ -291,6 +359,11 @@ def _describe_world(world: World) -> None:
         origin = world.origin
         click.echo(f"  origin   {origin.lat:.5f}, {origin.lon:.5f}, {origin.alt:g} m")
     click.echo(f"  start    {start.x:g}, {start.y:g}; battery {world.battery:.0%}")
+    if world.fence:
+        fence = _fence_facts(world.fence)
+        corners = ", ".join(f"[{x:g}, {y:g}]" for x, y in fence["through"])
+        heights = (f"; {key} {fence[key]:g} m" for key in ("floor", "ceiling") if key in fence)
+        click.echo(f"  fence    {corners}{''.join(heights)}")
     contents = _contents(world)
     if contents:
         click.echo("  contents:")
@@ -317,22 +390,9 @@ def _some(names: list[str]) -> str:
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 def picture(folder: Path) -> None:
     """Draw the picture of the run in FOLDER, also of one that was killed."""
     from cli.plot import draw
 
     click.echo(draw(folder))
-
-
-@click.command()
-@click.argument("shell", type=Word(["bash", "zsh", "fish"]))
-def completion(shell: str) -> None:
-    """Print the completion script of SHELL: `source <(drone-cli completion bash)`."""
-    from click.shell_completion import get_completion_class
-
-    from cli.main import app
-
-    script = get_completion_class(shell)
-    assert script is not None
-    click.echo(script(app, {}, "drone-cli", "_DRONE_CLI_COMPLETE").source())

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product as product_of
 from math import hypot, pi, radians
 from pathlib import Path
 
+from cli.output import write_file
 from hal.lights import STANDARD
 from hal.renderers import open_renderer
 from hal.scene.appearance import ARM, SIZE, quadrotor
 from hal.scene.lamps import lamp_things, lit_lamps
 from hal.vehicle import Intrinsics
-from vencejo.errors import UserError, Where, cannot_write
+from vencejo.errors import Fault, UserError, Where
 from vencejo.geometry import (
     OPTICAL,
     Point,
@@ -22,8 +24,9 @@ from vencejo.geometry import (
     turned,
     yaw_quaternion,
 )
-from worlds import Thing, World
-from worlds.solids import bounds_of, part_pose
+from worlds import Thing, World, pose_at
+from worlds.solids import bounds_of, holds, part_pose
+from worlds.things import Part
 
 VIEWS = ("front", "down", "top")
 """Level and ahead from a place, straight down from it, or all of the world from above."""
@@ -63,18 +66,31 @@ def render(
         image = opened.render(view(world, camera, at), LENS, 0.0, poses)
     finally:
         opened.close()
-    where, message = Where(str(file)), "this picture cannot be written"
     hint = "its name ends in .png or .jpg and its folder exists"
     try:
         done, data = cv2.imencode(file.suffix, image)
     except cv2.error:
         done = False
     if not done:
-        raise UserError("cannot-write", message, where, hint)
-    try:
-        file.write_bytes(data.data)
-    except OSError as error:
-        raise cannot_write(error, "cannot-write", message, where, hint) from None
+        message = "this picture cannot be written"
+        raise UserError("cannot-write", message, Where(str(file)), hint)
+    write_file(file, data.data, hint)
+
+
+def hidden_by(world: World, at: tuple[float, float, float, float]) -> Iterator[Fault]:
+    """Warnings for a place from which little can be seen: inside a thing."""
+    place = Point(*at[:3])
+    for thing in world.things:
+        if any(_holds(part, thing, place) for part in thing.parts):
+            message = f"the camera is inside '{thing.name}'"
+            hint = "what stands around it may not be seen: choose another --at"
+            yield Fault("inside-thing", message, Where("--at"), hint, "warning")
+
+
+def _holds(part: Part, thing: Thing, place: Point) -> bool:
+    """Whether a place is inside a part; of a mesh its bounding box counts."""
+    at, (x, y, z, w) = part_pose(part, *pose_at(thing, 0.0))
+    return holds(part.shape, turned(place.minus(at), (-x, -y, -z, w)))
 
 
 def _vehicles(world: World) -> tuple[dict[str, Thing], dict[str, Pose]]:

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import click
+from click.shell_completion import CompletionItem
 
 from cli.ending import not_kept_alive
 from cli.output import Output, written_code
@@ -23,10 +24,11 @@ COMMANDS = {
     "missions": ("cli.lists:missions", "List missions, show one, or copy one to change it."),
     "behaviors": ("cli.lists:behaviors", "List behaviours, or explain one."),
     "worlds": ("cli.lists:worlds", "List worlds, or show one."),
+    "guide": ("cli.guide:guide", "Print language, behaviours and examples on one page."),
     "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),
-    "completion": ("cli.lists:completion", "Print shell completion to source."),
+    "completion": ("cli.completion:completion", "Print shell completion to source."),
 }
 PACKAGES = ("vencejo", "fsm", "behaviors", "hal", "worlds", "runner", "cli")
 WELCOME = """\
@@ -52,6 +54,13 @@ class Commands(click.Group):
         command: click.Command = getattr(importlib.import_module(module), name)
         return command
 
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[str]]:
+        found = [
+            (name, text) for name, (_, text) in COMMANDS.items() if name.startswith(incomplete)
+        ]
+        options = click.Command.shell_complete(self, ctx, incomplete)
+        return [*(CompletionItem(name, help=text) for name, text in found), *options]
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
@@ -59,7 +68,8 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+        wrong = args and args[0] not in COMMANDS and not args[0].startswith("-")
+        if wrong and not ctx.resilient_parsing:
             raise UserError(
                 "unknown-command",
                 f"there is no command '{args[0]}'",

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, cannot_write
+from vencejo.files import whole_folder
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -17,7 +18,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 def new(name: str) -> None:
     """Make the folder NAME with a mission, a behaviour of its own and a test of both.
 
-    All three work at once; change them bit by bit.
+    All three work at once: as an example they fly a spiral. Change them bit by bit.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise UserError(
@@ -26,13 +27,21 @@ def new(name: str) -> None:
     folder = Path(name)
     if folder.exists():
         raise UserError("exists", f"'{name}' exists already", Where(name), "choose another name")
-    folder.mkdir()
-    for template in sorted(TEMPLATES.glob("*.txt")):
-        target = folder / template.stem.replace("NAME", name)
-        target.write_text(template.read_text("utf-8").replace("NAME", name), "utf-8")
-        click.echo(f"wrote {target}")
+    files = {
+        template.stem.replace("NAME", name): template.read_text("utf-8").replace("NAME", name)
+        for template in sorted(TEMPLATES.glob("*.txt"))
+    }
+    try:
+        with whole_folder(folder) as made:
+            for file, text in files.items():
+                (made / file).write_text(text, "utf-8")
+    except OSError as error:
+        message = "this folder cannot be made"
+        raise cannot_write(error, "cannot-write", message, Where(name)) from None
+    for file in files:
+        click.echo(f"wrote {folder / file}")
     click.echo(
-        f"\ntry:\n"
+        f"\nan example, which flies a spiral; try:\n"
         f"  drone-cli check {folder}/{name}.yaml\n"
         f"  drone-cli run {folder}/{name}.yaml --speed 2\n"
         f"  python -m pytest {folder}          (pip install pytest)"

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf, isfinite, pi
+from pathlib import Path
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
+from hal import FlightModel
 from hal.limits import DIMENSIONS, Limits
 from hal.renderers import renderer_names
 from vencejo.errors import UserError, Where, nearest
-from vencejo.units import TIME, read_quantity
+from vencejo.nodes import Mapping, Scalar, YamlNode
+from vencejo.units import LENGTH, TIME, read_quantity
 
 
-class Word(click.ParamType):  # type: ignore[type-arg]
+class _AsWritten(click.ParamType):  # type: ignore[type-arg]
+    """A type whose name stands in the help as it is: what is typed small is small there too."""
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return self.name
+
+
+class Word(_AsWritten):
     """One of a few words; a mistyped one gets the nearest."""
 
     def __init__(self, words: list[str]) -> None:
@@ -46,10 +57,10 @@ shadows_option = click.option(
 )
 
 
-class Speed(click.ParamType):  # type: ignore[type-arg]
+class Speed(_AsWritten):
     """``max`` (None) or a factor above 0."""
 
-    name = "factor|max"
+    name = "FACTOR|max"
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -72,10 +83,10 @@ class Speed(click.ParamType):  # type: ignore[type-arg]
         ]
 
 
-class CallSeconds(click.ParamType):  # type: ignore[type-arg]
+class CallSeconds(_AsWritten):
     """A time above 0 in seconds; ``none`` and 0 are no limit (None)."""
 
-    name = "time|none"
+    name = "TIME|none"
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -102,32 +113,144 @@ call_limit_option = click.option(
 )
 
 
-class MissionName(click.ParamType):  # type: ignore[type-arg]
-    """A mission by path or name."""
+def paths(
+    incomplete: str, endings: Iterable[str] = ("",), *, folders_only: bool = False
+) -> list[CompletionItem[str]]:
+    """The files with one of these endings, and the folders, whose paths begin so."""
+    folder, slash, begun = incomplete.rpartition("/")
+    found = []
+    try:
+        for entry in sorted(Path(folder + slash or ".").expanduser().iterdir()):
+            hidden = entry.name.startswith(".") and not begun.startswith(".")
+            if not entry.name.startswith(begun) or hidden:
+                continue
+            if entry.is_dir():
+                found.append(CompletionItem(f"{folder}{slash}{entry.name}/"))
+            elif not folders_only and entry.name.endswith(tuple(endings)):
+                found.append(CompletionItem(f"{folder}{slash}{entry.name}"))
+    except (OSError, RuntimeError):
+        return []  # a folder that cannot be read, or a ~ of nobody
+    return found
 
-    name = "mission"
+
+class Length(click.ParamType):  # type: ignore[type-arg]
+    """A length of 0 or more, in metres."""
+
+    name = "length"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            length = read_quantity(str(value), LENGTH)
+        except UserError as error:
+            self.fail(f"{error.faults[0].message}; for instance 50cm")
+        if not 0 <= length < inf:
+            self.fail(f"'{value}' is no distance; for instance 50cm")
+        return length
+
+
+class _Name(click.ParamType):  # type: ignore[type-arg]
+    """A word that names one of several things, or a file."""
+
+    endings: tuple[str, ...] = ()
+    """Endings of the files that may be meant; empty: of none."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         return str(value)
 
+    def known(self, ctx: click.Context) -> Iterable[str]:
+        """The names there are."""
+        raise NotImplementedError
+
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
+        names = [CompletionItem(name) for name in self.known(ctx) if name.startswith(incomplete)]
+        return names + (paths(incomplete, self.endings) if self.endings else [])
+
+
+class MissionName(_Name):
+    """A mission by path or name."""
+
+    name = "mission"
+    endings = (".yaml", ".yml", ".scxml")
+
+    def known(self, ctx: click.Context) -> Iterable[str]:
         from runner.missions import names
 
-        known = [CompletionItem(name) for name in names() if name.startswith(incomplete)]
-        return [*known, CompletionItem(incomplete, type="file")]
+        return names()
+
+
+class WorldName(_Name):
+    """A world by path or name, or a generated one by its family and number."""
+
+    name = "world"
+    endings = (".yaml", ".yml")
+
+    def known(self, ctx: click.Context) -> Iterable[str]:
+        from worlds import world_families, world_names
+
+        return [*world_names(), *(f"{family}:" for family in world_families())]
+
+
+class BehaviorName(_Name):
+    """A behaviour by name; ``--uses FILE`` before it adds those of a file, which is not run."""
+
+    name = "behaviour"
+
+    def known(self, ctx: click.Context) -> Iterable[str]:
+        from behaviors import Registry, trusted
+
+        file = ctx.params.get("uses")
+        return [*(trusted([as_used(file)], []) if file else ()), *Registry()]
+
+
+def as_used(file: Path) -> tuple[Scalar, Path]:
+    """A Python file as a mission beside it names it under ``uses``, and its folder."""
+    return Scalar(file.name, Where(str(file))), file.parent
+
+
+def complete_parameter(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """``name=`` of the parameters of the mission that the command line names."""
+    from fsm import read_mission
+    from fsm.faults import Faults
+    from runner.missions import find
+
+    # Click leaves the arguments where they are while the value of an option is missing.
+    mission = ctx.params.get("mission") or next(iter(ctx.args), "")
+    try:
+        found = find(mission)
+        # The mission may have mistakes elsewhere.
+        parameters = read_mission(found.path, found.shown_as, Faults()).parameters
+    except UserError:
+        return []
+    return [
+        CompletionItem(f"{parameter.name.text}=", help=_told_of(parameter.node))
+        for parameter in parameters
+        if parameter.name.text.startswith(incomplete)
+    ]
+
+
+def _told_of(node: YamlNode) -> str:
+    """The help of a parameter as written, or its default where that is all there is."""
+    told = node.get("help") if isinstance(node, Mapping) else node
+    return told.text if isinstance(told, Scalar) else ""
 
 
 def assignments(
     ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
 ) -> dict[str, str]:
-    """``name=value`` pairs of a repeated option."""
+    """``name=value`` pairs of a repeated option, each name once."""
     found = {}
     for value in values:
         name, equals, text = value.partition("=")
         if not equals or not name:
             raise click.BadParameter(f"'{value}' is not name=value", ctx=ctx, param=param)
+        if name.strip() in found:
+            raise click.BadParameter(f"'{name.strip()}' is set twice", ctx=ctx, param=param)
         found[name.strip()] = text
     return found
 
@@ -139,12 +262,29 @@ class LimitSettings:
     profile: str | None
     limits: Limits
 
+    def on(self, model: FlightModel | None) -> Limits:
+        """The limits completed by those of the profile, where the vehicles' are known.
+
+        Raises UserError (``bad-limit``) for limits that cannot be, or a profile they do not have.
+        """
+        wanted = Limits(**self.limits.given())
+        if self.profile is None or model is None:
+            return wanted
+        if self.profile not in model.profiles:
+            hint = nearest(self.profile, model.profiles, "this vehicle has none")
+            message = f"there is no profile '{self.profile}'"
+            raise UserError("bad-limit", message, Where("--limit"), hint)
+        return wanted.over(model.profiles[self.profile])
+
 
 def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> LimitSettings:
     """Read the repeated option ``--limit``: ``name=quantity``, or the name of a profile."""
     profile, found = None, dict[str, float]()
     for value in values:
         name, equals, text = value.partition("=")
+        if name in found or (profile is not None and not equals):
+            what = f"'{name}'" if equals else "a profile"
+            raise click.BadParameter(f"{what} is set twice", ctx=ctx, param=param)
         if not equals:
             profile = name
             continue
@@ -191,7 +331,7 @@ def cameras(
     return found
 
 
-class Viewpoint(click.ParamType):  # type: ignore[type-arg]
+class Viewpoint(_AsWritten):
     """``x,y,z`` or ``x,y,z,yaw``: metres of the world frame, and degrees from east."""
 
     name = "x,y,z[,yaw]"

@@ -13,11 +13,13 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from io import TextIOBase, TextIOWrapper
+from pathlib import Path
 from typing import Any, TextIO
 
 import click
 
-from vencejo.errors import OutputError
+from vencejo.errors import OutputError, Where, cannot_write
+from vencejo.files import write_whole
 
 _GONE = (errno.EPIPE, errno.EIO, errno.ECONNRESET)
 """Errors of a stream that nobody reads any more: a closed pipe, terminal or connection."""
@@ -123,6 +125,15 @@ def written_code(code: int, out: TextIO | Output, err: TextIO | Output) -> int:
     lost = any(isinstance(stream, Output) and stream.lost for stream in (out, err))
     # What was found or flown stands in the other codes; these two say that all went well so far.
     return OutputError.exit_code if lost and code in (0, 1) else code
+
+
+def write_file(path: Path, data: bytes | memoryview, hint: str | None = None) -> None:
+    """Write a file that a person asked for, whole or not at all. Raises UserError."""
+    try:
+        write_whole(path, data)
+    except OSError as error:
+        message = "this file cannot be written"
+        raise cannot_write(error, "cannot-write", message, Where(str(path)), hint) from None
 
 
 def echo_json(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, cast
+from typing import IO, TYPE_CHECKING, cast
 
 import click
 from click.core import ParameterSource
@@ -19,9 +19,11 @@ from cli.options import (
     MissionName,
     Speed,
     Word,
+    WorldName,
     assignments,
     call_limit_option,
     cameras,
+    complete_parameter,
     limits,
     renderer_option,
     shadows_option,
@@ -31,16 +33,17 @@ from cli.signals import Interrupts
 from cli.user_code import user_code
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from hal import backend_names
+from hal import backend_names, flight_model
 from runner import missions
 from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
 from runner.camera_file import joined, read_camera_file
+from runner.geometry import Terms, check_geometry
 from runner.loop import Watcher, fly
 from runner.pace import Pace
 from runner.plan import Plan
-from runner.posts import Post, parse_posts
-from runner.preparation import Prepared, prepare
+from runner.posts import parse_posts
+from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
@@ -61,13 +64,19 @@ if TYPE_CHECKING:
     "--backend", type=Word(backend_names()), default="sim", show_default=True, help="What flies it."
 )
 @click.option("--connect", metavar="ADDRESS", help="Where a real vehicle is reached.")
-@click.option("--world", metavar="NAME|FILE", help="Fly in another world than the mission names.")
+@click.option(
+    "--world",
+    type=WorldName(),
+    metavar="NAME|FILE",
+    help="Fly in another world than the mission names.",
+)
 @click.option(
     "-p",
     "--parameter",
     "parameters",
     multiple=True,
     callback=assignments,
+    shell_complete=complete_parameter,
     metavar="NAME=VALUE",
     help="Set a parameter of the mission, for instance -p altitude=3m. Repeatable.",
 )
@@ -191,7 +200,14 @@ def run(
             }
         with user_code(call_limit) as limit:
             prepared = prepare(missions.find(mission), world, calls=limit.calls)
-        values, told = _values_of(prepared, parameters, posts)
+            doubtful: list[Fault] = []
+            values = parse_parameters(prepared.graph, parameters, doubtful)
+            told = parse_posts(prepared.graph, posts, doubtful)
+            model = flight_model(backend)
+            terms = Terms(model, limit_settings.on(model))
+            findings = check_geometry(prepared.graph, prepared.world, terms, values, limit.calls)
+        for fault in (*prepared.graph.warnings, *doubtful, *findings.faults):
+            click.echo(str(fault), err=True)
         plan = replace(
             Plan.alone(prepared, values, backend=backend, seed=seed, settings=own),
             posts=told,
@@ -233,18 +249,6 @@ def _plan_again(folder: Path) -> tuple[Plan, float | None]:
     call_limit = recorded.settings.call_limit
     with user_code(call_limit) as limit:
         return recorded.plan(limit.calls), call_limit
-
-
-def _values_of(
-    prepared: Prepared, parameters: Mapping[str, str], posts: Sequence[str]
-) -> tuple[dict[str, Any], tuple[Post, ...]]:
-    """The values of a mission's parameters, and the events it is told; all warnings are shown."""
-    doubtful: list[Fault] = []
-    values = parse_parameters(prepared.graph, parameters, doubtful)
-    told = parse_posts(prepared.graph, posts, doubtful)
-    for fault in (*prepared.graph.warnings, *doubtful):
-        click.echo(str(fault), err=True)
-    return values, told
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import click
 
-from cli.options import MissionName, Word, call_limit_option
+from cli.options import MissionName, Word, WorldName, call_limit_option
+from cli.output import write_file
 from cli.user_code import user_code
 from fsm import Graph
 from runner import missions
 from runner.preparation import prepare
-from vencejo.errors import UserError, Where, cannot_write
+from vencejo.errors import UserError
 
 WRITERS = {
     "text": "fsm.drawing:write_text",
@@ -33,7 +34,9 @@ WRITERS = {
     show_default=True,
     help="How to show it.",
 )
-@click.option("--world", metavar="NAME|FILE", help="Check it against another world.")
+@click.option(
+    "--world", type=WorldName(), metavar="NAME|FILE", help="Check it against another world."
+)
 @call_limit_option
 @click.option("-o", "--output", metavar="FILE", help="Write to a file instead of the terminal.")
 def show(
@@ -49,11 +52,8 @@ def show(
     text = _written(graph, format_)
     if output is None:
         click.echo(text, nl=False)
-        return
-    try:
-        Path(output).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise cannot_write(error, "unwritable", f"cannot write '{output}'", Where(output)) from None
+    else:
+        write_file(Path(output), text.encode())
 
 
 def _written(graph: Graph, format_: str) -> str:

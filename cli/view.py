@@ -49,9 +49,9 @@ def show_summary(summary: Mapping[str, Any], *, colored: bool = False) -> None:
         reason += " — but it never left the ground"
     lines = [
         f"{good} {summary['mission']} ended in '{summary['outcome']}'{reason}",
-        f"  {summary['mission_time_s']} s flown in {summary['wall_time_s']} s"
-        f" ({summary['realtime_factor']} × real time), {summary['distance_m']} m,"
-        f" up to {summary['max_altitude_m']} m, battery {float(str(summary['battery_left'])):.0%}",
+        f"  {summary['mission_time_s']:.1f} s flown in {_rounded(summary['wall_time_s'])} s"
+        f" ({_rounded(summary['realtime_factor'])} × real time), {summary['distance_m']:.1f} m,"
+        f" up to {summary['max_altitude_m']:.1f} m, battery {summary['battery_left']:.0%}",
     ]
     if summary["collisions"]:
         collided = f"  collided with {_counted(summary['collisions'])}"
@@ -61,6 +61,11 @@ def show_summary(summary: Mapping[str, Any], *, colored: bool = False) -> None:
     if summary["run_folder"]:
         lines.append(f"run folder: {summary['run_folder']}")
     click.echo("\n".join(lines), color=colored)
+
+
+def _rounded(number: float) -> str:
+    """A number to two figures or to whole ones: 0.066, 9.5, 289."""
+    return f"{number:.0f}" if number >= 10 else f"{number:.2g}"
 
 
 def _counted(collisions: Mapping[str, int]) -> str:

@@ -1,7 +1,7 @@
 """Hierarchical state graphs: the YAML language, its checker and its runtime. Knows no drones."""
 
 from fsm.chart.graph import Edge, Graph, Node
-from fsm.checks.safety import prove
+from fsm.checks.safety import prove, warnings_with_proof
 from fsm.compiler.mission import compile_mission, parse_parameters
 from fsm.engine.instance import Event, Instance
 from fsm.host import Activity, BehaviorInfo, Host, Outcome, Parameter, Vocabulary
@@ -26,4 +26,5 @@ __all__ = [
     "prove",
     "read_mission",
     "read_mission_text",
+    "warnings_with_proof",
 ]

@@ -18,7 +18,7 @@ from fsm.language.keys import AT, SMALL_NAME, Place
 from fsm.language.spec import MissionSpec
 from fsm.values.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
-from vencejo.files import file_inside
+from vencejo.files import file_inside, nearest_file
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, YamlNode, kind, read_file
 from vencejo.units import TIME
@@ -138,7 +138,7 @@ def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faul
     if not path.is_file():
         files = [file.relative_to(folder).as_posix() for file in folder.glob("**/*.y*ml")]
         message = f"there is no file '{word.text}'"
-        raise UserError("no-such-file", message, word.where, nearest(word.text, files))
+        raise UserError("no-such-file", message, word.where, nearest_file(word.text, files))
     with_ = node.get("with") or MapNode([], node.where)
     if not isinstance(with_, MapNode):
         raise UserError("wrong-type", f"`with` is a map, not {kind(with_)}", with_.where)

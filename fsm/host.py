@@ -51,13 +51,20 @@ class BehaviorInfo:
     controls: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     ends_landed: bool = False
+    """Every ``done`` leaves the vehicle on the ground."""
     takes_off: bool = False
+    """Every ``done`` leaves it in the air."""
     needs_flight: bool = False
     """It moves a vehicle that is in the air already."""
     on_trust: bool = False
     """Only its name is known: it is not checked how a graph uses it."""
     implementation: Any = None
     """The host's own object, from which it starts the behaviour."""
+
+    @property
+    def may_take_off(self) -> bool:
+        """Whether it may leave the ground; a landed vehicle stays there under any other."""
+        return self.takes_off or "takeoff" in self.requires
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """Vehicles: the contract that missions fly on, and its backends found by name."""
 
-from hal.backends import backend_capabilities, backend_names, open_backend
+from hal.backends import backend_capabilities, backend_names, flight_model, open_backend
 from hal.base import BaseSession, BaseVehicle
+from hal.flight_model import FlightModel
 from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import Order, Orders
@@ -38,6 +39,7 @@ __all__ = [
     "BaseSession",
     "BaseVehicle",
     "Camera",
+    "FlightModel",
     "Frame",
     "Hold",
     "Intrinsics",
@@ -59,5 +61,6 @@ __all__ = [
     "VisionPose",
     "backend_capabilities",
     "backend_names",
+    "flight_model",
     "open_backend",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from importlib.metadata import EntryPoint
 
+from hal.flight_model import FlightModel
 from hal.vehicle import Options, Session
 from vencejo.errors import UserError, VehicleError, nearest
 from vencejo.plugins import plugins
@@ -30,6 +31,15 @@ def backend_capabilities(name: str) -> frozenset[str]:
             hint="its module declares CAPABILITIES; without it only a flight can tell",
         )
     return frozenset(offered)
+
+
+def flight_model(name: str) -> FlightModel | None:
+    """How a backend's vehicles fly, by ``FLIGHT_MODEL`` of its module; opens nothing.
+
+    None where it does not say. Raises UserError (``unknown-backend``).
+    """
+    model: FlightModel | None = getattr(import_module(_point(name).module), "FLIGHT_MODEL", None)
+    return model
 
 
 def open_backend(name: str, options: Options) -> Session:

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, reason_of
 
 
 def as_json(value: Any) -> Any:
@@ -40,8 +40,7 @@ def writing(path: Path, hint: str = _HINT) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        reason = error.strerror or str(error)
-        message = f"cannot write into the run folder: {reason}"
+        message = f"cannot write into the run folder: {reason_of(error)}"
         raise UserError("cannot-record", message, Where(str(path)), hint) from None
 
 

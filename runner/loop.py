@@ -145,8 +145,9 @@ class _Log:
 
     def begin(self, header: Header, files: KeptFiles, crafts: Iterable[_Craft]) -> None:
         if self._recorder is not None:
-            self._recorder.keep(files.contents)
-            self._recorder.begin(header)
+            with self._recorder.beginning():
+                self._recorder.keep(files.contents)
+                self._recorder.begin(header)
             for craft in crafts:
                 self._recorder.follow(craft.pilot)
 

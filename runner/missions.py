@@ -6,11 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vencejo.errors import UserError, Where, nearest
+from vencejo.files import nearest_file
 
 _PACKAGE = Path(__file__).parent
 _INSTALLED = _PACKAGE / "shipped" / "missions"
 SHIPPED = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent / "missions"
 """Inside the package when installed from a wheel, beside it in a checkout."""
+
+
+_NO_MISSIONS = (".py", ".md", ".csv", ".jsonl", ".png", ".jpg", ".svg")
+"""Endings of what lies beside missions and is none."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +49,16 @@ def find(mission: str) -> Found:
             near = (
                 [str(other) for other in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
             )
-            hint = nearest(mission, [*near, *names()], "`drone-cli missions` lists those there are")
+            listed = "`drone-cli missions` lists those there are"
+            hint = nearest_file(mission, [*near, *names()], listed)
             raise UserError("no-such-file", f"there is no file '{mission}'", Where(mission), hint)
+        if path.suffix in _NO_MISSIONS:
+            raise UserError(
+                "not-a-mission",
+                f"'{mission}' is no mission: those are .yaml or .scxml files",
+                Where(mission),
+                "a mission names Python under `uses`" if path.suffix == ".py" else None,
+            )
         return Found(path, mission)
     known = names()
     if mission not in known:
@@ -67,5 +80,5 @@ def _exists(path: Path) -> bool:
 def _short(path: Path) -> str:
     try:
         return str(path.relative_to(Path.cwd()))
-    except ValueError:
-        return str(path)
+    except (ValueError, OSError):
+        return str(path)  # elsewhere, or the working directory is gone

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from behaviors import Calls, drone_vocabulary, load_all, trusted
 from behaviors.registry import Own
-from fsm import Graph, MissionSpec, compile_mission, prove, read_mission
+from fsm import Graph, MissionSpec, compile_mission, read_mission, warnings_with_proof
 from fsm.faults import Faults
 from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
@@ -61,7 +61,7 @@ def prepare(
         faults.raise_any()
     else:
         graph = compile_mission(spec, vocabulary, faults)
-        graph = replace(graph, warnings=(*graph.warnings, *prove(graph)))
+        graph = replace(graph, warnings=warnings_with_proof(graph))
     assert place is not None, "a world that is not there is a fault"
     files = (found.path, *_others(spec, found.path), *_sources(document))
     return Prepared(found, spec, graph, place, word, files)
@@ -93,7 +93,7 @@ def check_fleet_file(
             )
             graph = compile_mission(member.spec, vocabulary, found_here)
             graphs[member.name.text] = graph
-            faults.extend((*graph.warnings, *prove(graph)))
+            faults.extend(warnings_with_proof(graph))
     faults.extend(check_fleet(fleet, graphs))
     # Two vehicles may fly one mission: its faults are told once.
     return list(dict.fromkeys(faults)), list(graphs.values())

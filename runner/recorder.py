@@ -7,10 +7,12 @@ equal runs give equal bytes; runner/run_folder.py knows the formats.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from typing import Self
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
@@ -29,7 +31,8 @@ from runner.run_folder import (
     summary_fields,
 )
 from runner.telemetry import COLUMNS, row_of
-from vencejo.errors import UserError, Where
+from vencejo.errors import UserError, Where, reason_of
+from vencejo.files import write_whole
 
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: a killed run may lose one second of them."""
@@ -47,10 +50,9 @@ def new_folder(parent: Path, stamp: str, mission: str) -> Path:
                 continue
             return folder
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise UserError(
-            "no-run-folder", f"cannot make a run folder: {reason}", Where(str(parent)), "--runs-dir"
-        ) from None
+        message = f"cannot make a run folder: {reason_of(error)}"
+        hint = "choose another place: --runs-dir"
+        raise UserError("no-run-folder", message, Where(str(parent)), hint) from None
     raise UserError("no-run-folder", "too many runs of one second", Where(str(parent)))
 
 
@@ -76,6 +78,17 @@ class Recorder:
         """Vehicle, sensor and reading of every reading read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)
         self._telemetry = AppendedFile(folder / TELEMETRY)
+
+    @contextmanager
+    def beginning(self) -> Iterator[Self]:
+        """Leave no run folder behind where what the block writes cannot be written."""
+        try:
+            yield self
+        except UserError:
+            with suppress(UserError):
+                self.close()
+            shutil.rmtree(self.folder, ignore_errors=True)
+            raise
 
     def keep(self, files: Mapping[str, bytes]) -> None:
         """Write copies of files that the flight depends on, by their path in the folder."""
@@ -166,4 +179,4 @@ class Recorder:
         fields = summary_fields(summary, self.folder)
         text = json.dumps(fields, indent=2, ensure_ascii=False, default=as_json)
         with writing(self.folder / SUMMARY):
-            (self.folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+            write_whole(self.folder / SUMMARY, f"{text}\n".encode())

@@ -67,6 +67,15 @@ class Mapping:
 YamlNode = Scalar | Sequence | Mapping
 
 
+def count(node: YamlNode) -> int:
+    """The number of values in a node, itself and all keys included."""
+    if isinstance(node, Mapping):
+        return 1 + sum(1 + count(value) for _, value in node)
+    if isinstance(node, Sequence):
+        return 1 + sum(map(count, node.items))
+    return 1
+
+
 def kind(node: YamlNode) -> str:
     """Describe a node for an error message: ``a map``, ``a list``, ``nothing`` or its text."""
     if isinstance(node, Mapping):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import yaml
 
-from vencejo.errors import UserError, Where
+from vencejo.errors import Correction, UserError, Where
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """The characters that YAML 1.2 allows nowhere (production 1, c-printable)."""
@@ -104,8 +104,8 @@ class _Mistake:
         """The remedy, by what stands in the line."""
         line, letter = self.line, self.text[self.position : self.position + 1]
         signs = {
-            _DOLLAR: re.search(r"[{,\[:]\s*\$\{", line),
-            _STAR: re.search(r"(^|[\s{,])\*\s*:", line),
+            _quoted(r"\$\{[^{}\"']*\}", line, _DOLLAR): re.search(r"[{,\[:]\s*\$\{", line),
+            _quoted(r"\*(?=\s*:)", line, _STAR): re.search(r"(^|[\s{,])\*\s*:", line),
             _ESCAPE: "escape" in self.problem,
             _SPECIAL: "any token" in self.problem or "block scalar" in self.context,
             _NO_COLON: "expected ':'" in self.problem,
@@ -121,6 +121,12 @@ class _Mistake:
         """Whether the first key of a line is where none may stand."""
         before = self.text[: self.position].rpartition("\n")[2]
         return "mapping values" in self.problem and ": " not in before
+
+
+def _quoted(pattern: str, line: str, hint: str) -> str:
+    """A hint to put quotes around what a pattern finds; a correction where it finds one thing."""
+    found = re.findall(pattern, line)
+    return Correction(found[0], f'"{found[0]}"', hint) if len(found) == 1 else hint
 
 
 def _position(mark: yaml.Mark | None, text: str) -> int:

@@ -16,12 +16,13 @@ from vencejo.geometry import Point, horizontal_distance
 from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
 from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
+from worlds.fence import FENCE, surrounds
 from worlds.kinds import BEACON, KINDS
 from worlds.solids import START_CLEARANCE, thing_near, top_of
 from worlds.terrain import height_at, place_of
 from worlds.things import Terrain, Thing
 from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
-from worlds.world import Start, World
+from worlds.world import Fence, Start, World
 
 FIELDS: Mapping[str, Field] = MappingProxyType(
     {
@@ -32,6 +33,7 @@ FIELDS: Mapping[str, Field] = MappingProxyType(
         "light": LIGHT,
         "start": Field(STARTS, None),
         "battery": Field(SHARE, 1.0),
+        "fence": Field(FENCE, None),
         "roads": Field(names("roads", roads.ROAD), NamedEntries()),
         **{kind: Field(names(kind, value), NamedEntries()) for kind, value in KINDS.items()},
         "beacons": Field(names("beacons", BEACON), NamedEntries()),
@@ -95,6 +97,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
     written = keys.get("start") or [(root.where, Spot(0.0, 0.0), 0.0)] if "start" in keys else []
     starts = [(where, Start(place_of(terrain, spot), heading)) for where, spot, heading in written]
     faults.extend(_bad_starts(starts, things, terrain))
+    faults.extend(_starts_outside(starts, keys.get("fence")))
     if faults:
         raise UserError.of(sorted(faults, key=lambda fault: fault.where or root.where))
     beacons = {thing.name: thing.at for thing in things if thing.kind == "beacon"}
@@ -113,6 +116,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         sha256=_digest([file.read_bytes() for file in files] or [text.encode()]),
         things=things,
         light=keys["light"],
+        fence=keys["fence"],
         roads=tuple(road.road(key.text) for key, road in named["roads"].entries),
         text=text,
         files=files,
@@ -145,6 +149,18 @@ def _repeated(named: Mapping[str, NamedEntries[Any]]) -> Iterator[Fault]:
                 f"'{key.text}' is a beacon already, and beacons are places",
                 key.where,
                 "rename one of the two",
+            )
+
+
+def _starts_outside(starts: list[tuple[Where, Start]], fence: Fence | None) -> Iterator[Fault]:
+    """Faults for starts outside the fence."""
+    for where, start in starts:
+        if fence is not None and not surrounds(fence, start.at.x, start.at.y):
+            yield Fault(
+                "start-outside-fence",
+                "a vehicle that starts here is outside the fence",
+                where,
+                "draw the fence round the starts, or move the start",
             )
 
 

@@ -95,20 +95,37 @@ def _is_near(part: Part, at: Point, attitude: Quaternion, start: Point) -> bool:
     )
 
 
+def holds(shape: Shape, place: Point) -> bool:
+    """Whether a place of the shape's own frame is inside it; of a mesh its bounding box counts."""
+    if isinstance(shape, Sphere):
+        return place.norm() < shape.radius
+    low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
+    if isinstance(shape, Cylinder) and hypot(place.x, place.y) >= shape.radius:
+        return False
+    return all(a < v < b for a, v, b in zip(low, place, high, strict=True))
+
+
 def distance_to(shape: Shape, place: Point) -> float:
     """The distance of a place from a shape's surface, in the shape's own frame.
 
     Of a mesh it is that from its bounding box.
     """
+    return apart(shape, place) or -max(_beyond(shape, place))
+
+
+def apart(shape: Shape, place: Point) -> float:
+    """The distance of a place from a shape, in its own frame; 0 inside. Of a mesh as above."""
+    return hypot(*(max(0.0, v) for v in _beyond(shape, place)))
+
+
+def _beyond(shape: Shape, place: Point) -> list[float]:
+    """How far a place is beyond a shape, in each of the directions at right angles that it has."""
     if isinstance(shape, Sphere):
-        return abs(place.norm() - shape.radius)
+        return [place.norm() - shape.radius]
     if isinstance(shape, Cylinder):
         about = hypot(place.x, place.y) - shape.radius
-        over = [about, abs(place.z) - shape.height / 2]
-    elif isinstance(shape, Cuboid):
-        over = [abs(v) - side / 2 for v, side in zip(place, shape.size, strict=True)]
-    else:
-        low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
-        over = [max(a - v, v - b) for a, v, b in zip(low, place, high, strict=True)]
-    outside = hypot(*(max(0.0, v) for v in over))
-    return outside or -max(over)
+        return [about, abs(place.z) - shape.height / 2]
+    if isinstance(shape, Cuboid):
+        return [abs(v) - side / 2 for v, side in zip(place, shape.size, strict=True)]
+    low, high = bounds_of(shape, Point(0.0, 0.0, 0.0), UPRIGHT)
+    return [max(a - v, v - b) for a, v, b in zip(low, place, high, strict=True)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 
 from vencejo.geometry import Point
@@ -50,6 +51,18 @@ class Road:
 
 
 @dataclass(frozen=True, slots=True)
+class Fence:
+    """The space that vehicles are meant to stay in (see :mod:`worlds.fence`)."""
+
+    corners: tuple[tuple[float, float], ...]
+    """Of a polygon on the map, in order, three or more; the last is joined to the first."""
+    floor: float = -inf
+    """Least height to fly at, metres; take-off and landing may pass it."""
+    ceiling: float = inf
+    """Greatest height to fly at, metres."""
+
+
+@dataclass(frozen=True, slots=True)
 class Start:
     """The place of a vehicle when the run begins."""
 
@@ -91,6 +104,8 @@ class World:
     things: tuple[Thing, ...] = ()
     """In the order of the kinds (see :mod:`worlds.kinds`)."""
     roads: tuple[Road, ...] = ()
+    fence: Fence | None = None
+    """The space to stay in; None where the file names none."""
     text: str = ""
     """The world file, as read."""
     files: tuple[Path, ...] = ()

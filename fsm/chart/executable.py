@@ -128,6 +128,11 @@ class Action:
     message: Message | None = None
     """The event that it raises, sends or cancels; None for other actions."""
 
+    @property
+    def event(self) -> str:
+        """The event that it raises or sends to its own mission; empty for none."""
+        return self.message.event if self.message and not self.message.to else ""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Data:

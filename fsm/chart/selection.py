@@ -23,11 +23,7 @@ def select(
     """
 
     def in_conflict(a: Edge, b: Edge) -> bool:
-        """Whether the exit sets of two transitions meet."""
-        left, right = transition_domain(a, recorded), transition_domain(b, recorded)
-        if left is None or right is None:
-            return False
-        return left is right or left.contains(right) or right.contains(left)
+        return exit_sets_meet(a, b, recorded)
 
     picked: list[Edge] = []
     chosen: dict[int, Edge | None] = {}
@@ -69,3 +65,11 @@ def without_conflicts(
         else:
             kept = [other for other in kept if other not in beaten] + [edge]
     return kept
+
+
+def exit_sets_meet(a: Edge, b: Edge, recorded: Recorded) -> bool:
+    """Whether two transitions may leave the same states."""
+    left, right = transition_domain(a, recorded), transition_domain(b, recorded)
+    if left is None or right is None:
+        return False
+    return left is right or left.contains(right) or right.contains(left)

@@ -8,6 +8,7 @@ Guards are taken to pass. Where a person, a fault or a condition on the vehicle 
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -72,11 +73,14 @@ class _Way:
         self.dead = dead
         self.steps: dict[tuple[Node, Air], _Step] = {}
         self.beside = set(_beside_motion(graph))
+        self.doubtful = set(_doubtful(graph))
+        self.entered: dict[Edge, list[Node]] = {}
+        """The states that transitions enter, as far as they were asked for."""
         root = graph.root
-        pending = [_Step(node, Air.GROUND) for node in entry_set(root, (root,), _nothing).states]
-        pending += [_Step(root, Air.GROUND)]
+        begin = (*entry_set(root, (root,), _nothing).states, root)
+        pending = deque(_Step(node, Air.GROUND) for node in begin)
         while pending:
-            step = pending.pop(0)
+            step = pending.popleft()
             if (step.node, step.air) not in self.steps:
                 self.steps[step.node, step.air] = step
                 pending += self._following(step)
@@ -111,21 +115,15 @@ class _Way:
         """The steps by alternatives, up to the first that is sure to be taken."""
         for edge in edges:
             if edge.domain is not None and edge not in self.dead:
-                here = Air.UNKNOWN if self._is_doubtful(edge) else air
-                for node in entry_set(edge.domain, edge.targets, _anything).states:
-                    yield _Step(node, _on_entry(node, here), edge, step)
+                here = Air.UNKNOWN if edge in self.doubtful else air
+                if edge not in self.entered:
+                    self.entered[edge] = entry_set(edge.domain, edge.targets, _anything).states
+                for node in self.entered[edge]:
+                    after = _on_entry(node, here)
+                    if (node, after) not in self.steps:
+                        yield _Step(node, after, edge, step)
             if edge.guard is None:
                 return
-
-    def _is_doubtful(self, edge: Edge) -> bool:
-        """Whether the vehicle may have been brought elsewhere when this is taken."""
-        if _goes_wrong(self.graph, edge):
-            return True
-        if edge.guard is not None and "host" in edge.guard.reads:
-            return True
-        return edge.kind == "when" and any(
-            "host" in when.condition.reads for when in edge.node.whens if edge in when.edges
-        )
 
     def grounded(self) -> Iterator[Fault]:
         """Motion before any take-off."""
@@ -153,6 +151,17 @@ class _Way:
                     "lead to a state with `do: land` first; without one the host lands it there",
                     "warning",
                 )
+
+
+def _doubtful(graph: Graph) -> Iterator[Edge]:
+    """The transitions before which the vehicle may have been brought elsewhere."""
+    for node in graph.nodes:
+        for edge in node.edges():
+            if _goes_wrong(graph, edge) or (edge.guard and "host" in edge.guard.reads):
+                yield edge
+        for when in node.whens:
+            if "host" in when.condition.reads:
+                yield from when.edges
 
 
 def _beside_motion(graph: Graph) -> Iterator[int]:
@@ -211,13 +220,18 @@ def _during(behavior: BehaviorInfo | None, air: Air) -> Air:
 
 def _endless_landings(graph: Graph, dead: Collection[Edge]) -> Iterator[Fault]:
     """Landings after which it takes off again, for ever unless something goes wrong."""
+    led = {
+        edge: entry_set(edge.domain, edge.targets, _anything).states
+        for node in graph.nodes
+        for edge in node.edges()
+        if edge.domain is not None and edge not in dead and not _goes_wrong(graph, edge)
+    }
     following = {
         node: [
             entered
             for place in _together(graph, node)
             for edge in place.edges()
-            if edge.domain is not None and edge not in dead and not _goes_wrong(graph, edge)
-            for entered in entry_set(edge.domain, edge.targets, _anything).states
+            for entered in led.get(edge, ())
         ]
         for node in graph.nodes
         if not node.children

@@ -4,7 +4,8 @@ behaviours control the same thing.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from bisect import bisect
+from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 
 from fsm.chart.entry_sets import default_entry
@@ -16,7 +17,6 @@ from fsm.checks.structure import (
     endless_always,
     endless_states,
     late_timers,
-    leaves,
     never_taken,
     reachable,
     repeated_conditions,
@@ -41,11 +41,12 @@ def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
         *_companions(graph),
         *_two_owners(graph),
         *_region_restarts(graph),
-        *dead_alternatives(graph, partial(_covers, graph.vocabulary)),
-        *endless_always(graph),
+        *dead_alternatives(
+            [node for node in graph.nodes if node not in flawed],
+            partial(_covers, graph.vocabulary),
+        ),
         *_durations(graph),
         *_holds(graph),
-        *dead_timers(late),
         *repeated_conditions(graph),
         *_final_regions(graph),
         *_restarting_histories(graph),
@@ -55,11 +56,13 @@ def check(graph: Graph, flawed: Collection[Node] = ()) -> list[Fault]:
     ]
 
 
-def _whole(graph: Graph, late: Collection[After]) -> Iterator[Fault]:
+def _whole(graph: Graph, late: Mapping[After, After]) -> Iterator[Fault]:
     """Faults that only a graph shows all of whose transitions are known."""
     yield from unreachable(graph, reachable(graph, never_taken(graph, late)))
     yield from _never_done(graph)
     yield from unheard(graph)
+    yield from endless_always(graph)
+    yield from dead_timers(late)
 
 
 def _in_doubt(node: Node, flawed: Collection[Node]) -> bool:
@@ -263,12 +266,16 @@ def _never_done(graph: Graph) -> Iterator[Fault]:
 
 def _restarting_histories(graph: Graph) -> Iterator[Fault]:
     """A history state entered only from inside its parent, which is never left and remembered."""
-    for history in graph.nodes:
+    entering: dict[Node, list[Edge]] = {}
+    for edge in (edge for node in graph.nodes for edge in node.edges()):
+        for target in edge.targets:
+            if target.type == "history":
+                entering.setdefault(target, []).append(edge)
+    for history, edges in entering.items():
         parent = history.parent
-        if history.type != "history" or parent is None or not history.initial:
+        if parent is None or not history.initial:
             continue
-        edges = [edge for node in graph.nodes for edge in node.edges() if history in edge.targets]
-        if edges and all(edge.domain is parent or edge.domain is None for edge in edges):
+        if all(edge.domain is parent or edge.domain is None for edge in edges):
             yield Fault(
                 "empty-history",
                 f"'{parent.path or graph.name}' is not left on the way to '{history.path}', "
@@ -314,21 +321,26 @@ def _hidden_handlers(graph: Graph) -> Iterator[Fault]:
 
 
 def _left_landings(graph: Graph) -> Iterator[Fault]:
-    """Landings that a transition of a state around them can break off."""
-    for node in graph.nodes:
-        if not (node.invocation and node.invocation.behavior.ends_landed):
+    """Transitions of states around landings that can break them off."""
+    landings = [n for n in graph.nodes if n.invocation and n.invocation.behavior.ends_landed]
+    indices = [node.index for node in landings]
+    for outer in graph.nodes:
+        inside = landings[bisect(indices, outer.index) : bisect(indices, outer.last)]
+        if not inside:
             continue
-        for outer in node.ancestors:
-            for edge in outer.edges():
-                outcome = edge.kind == "on" and "." not in edge.trigger
-                if not outcome and leaves(edge, node):
-                    yield Fault(
-                        "left-landing",
-                        f"`{edge.kind} {edge.trigger}` can break off the landing in '{node.path}'",
-                        edge.where,
-                        "move the landing out of this state",
-                        severity="warning",
-                    )
+        more = f" and {len(inside) - 1} more" if len(inside) > 1 else ""
+        for edge in outer.edges():
+            outcome = edge.kind == "on" and "." not in edge.trigger
+            # Whatever leaves a state leaves all that is inside.
+            if not outcome and edge.domain is not None:
+                yield Fault(
+                    "left-landing",
+                    f"`{edge.kind} {edge.trigger}` can break off the landing in "
+                    f"'{inside[0].path}'{more}",
+                    edge.where,
+                    "move the landing out of this state",
+                    severity="warning",
+                )
 
 
 def _covers(vocabulary: Vocabulary, pattern: str, event: str) -> bool:

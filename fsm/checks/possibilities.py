@@ -1,249 +1,310 @@
-"""The effects that each state of a graph can have when guards are ignored, as bit masks.
+"""What can happen in each state of a graph, whatever its data and the world are like.
 
-A mask has one bit for the index of each state. :mod:`fsm.checks.exploration` makes its moves of
-them.
+Guards and conditions may pass or not, constants apart. What has ended is kept in *marks*, a bit
+mask with a few bits for each state, numbered in document order, so that those of a subtree are a
+range: whether its behaviour has ended, whether in ``done``, and which of its timers have gone off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property
-from itertools import product
-from typing import NamedTuple, TypeVar
+from itertools import accumulate
+from typing import NamedTuple
 
-from fsm.chart.entry_sets import Recorded, entry_set, transition_domain
-from fsm.chart.graph import Edge, Graph, Node
+from fsm.chart.graph import Edge, Graph, Node, When
 from fsm.chart.selection import chain
-from fsm.checks.regions import independent_states
+from fsm.checks.regions import actions_of, independent_states
+from fsm.expressions.compiled import Compiled
+from fsm.values.functions import FAILURES
 
-Task = tuple[str, int, int] | None
-"""The behaviour or timer that makes a move; None for a move that is made at once."""
-T = TypeVar("T")
-
-
-class Effect(NamedTuple):
-    """The effect of a transition: which leaves and ends of behaviours it keeps, what it enters."""
-
-    kept: int
-    kept_ended: int
-    entered: int
+LANDED = 1
+"""The mark that a behaviour has brought the vehicle to the ground, until one takes off."""
+Option = Edge | None
+"""A transition that may be taken; None where all may be refused."""
 
 
-class Course(NamedTuple):
-    """The effects that one outcome of a behaviour, or one timer, can have."""
+class Ending(NamedTuple):
+    """An outcome that the behaviour of a state can have."""
 
-    task: Task
+    node: Node
+    word: str
     unless: int
-    """The mask of ends after which it cannot happen any more."""
+    """The mark of its having ended."""
+    marks: int
+    """The marks that it adds."""
+    lands: bool
+
+
+class Timer(NamedTuple):
+    """What becomes due once while its state is active: a duration, or a condition that is always
+    true.
+    """
+
     mark: int
-    """The mask of ends that it adds."""
-    effects: tuple[Effect | None, ...]
-    """None where no state is left."""
+    options: tuple[Option, ...]
+    is_sure: bool
+    """False where conditions of other states may go first whenever it is due."""
+    behind: int
+    """The marks of what has gone off before, since it goes first in its state."""
+
+
+class Chances(NamedTuple):
+    """What can happen in a leaf state and in those around it."""
+
+    endings: tuple[Ending, ...]
+    timers: tuple[Timer, ...]
+    conditions: tuple[Edge, ...]
+    """The transitions of its conditions."""
+    events: tuple[str, ...]
+    """Events from outside that some transition takes."""
+    due: int
+    """The marks that are sure to come, unless their state is left: a behaviour that can end does,
+    a timer goes off."""
 
 
 class Possibilities:
-    """The moves that are possible in each state of a graph."""
+    """The chances of each leaf state, and who hears what."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self.nodes = graph.nodes
         self.independent = independent_states(graph)
         self.chains = [tuple(chain(node, graph.outer_first)) for node in graph.nodes]
         """Each state with its ancestors, in the order in which events are offered to them."""
-        self._effects: dict[Edge, tuple[Effect, ...]] = {}
-        self._choices: dict[tuple[int, str], list[Edge | None]] = {}
+        actions = [action for node in graph.nodes for action in actions_of(node) if action.event]
+        self.raises = bool(actions)
+        """Whether the mission raises or sends events."""
+        outside = _events_from_outside(graph)
+        inside = {event for node in graph.nodes for event in _events_while_active(node)}
+        self.words = Words(graph, {*outside, *inside, *(action.event for action in actions)})
+        self._outside = outside
+        sent = sorted({action.event for action in actions if action.kind == "send"})
+        self.sent = {word: LANDED << 1 + 2 * number for number, word in enumerate(sent)}
+        """Events that the mission sends to itself, each with the mark that it is on its way; the
+        next mark says that another one may be.
+        """
+        heard, first = sorted(inside & self.words.taken), 1 + 2 * len(sent)
+        self.posted = {word: 1 << first + number for number, word in enumerate(heard)}
+        """Events that active states may post for the next period, each with the mark that it
+        perhaps waits.
+        """
+        self.cancels = any(a.kind == "cancel" for node in graph.nodes for a in actions_of(node))
+        """Whether the mission takes back what it has sent."""
+        first += len(heard)
+        self.first_mark = list(accumulate(map(_marks_of, graph.nodes), initial=first))
+        """Where the marks of each state begin; one number more than there are states."""
+        self._offered: dict[tuple[int, str], tuple[Option, ...]] = {}
+        self._chances: dict[int, Chances] = {}
+        self._here: dict[int, Chances] = {}
 
-    @cached_property
-    def landing(self) -> int:
-        """The leaves in or around which a behaviour ends on the ground."""
-        return self.mask(
-            leaf
-            for leaf in self.nodes
-            if any(
-                n.invocation and n.invocation.behavior.ends_landed for n in (leaf, *leaf.ancestors)
+    # -- marks --------------------------------------------------------------------------------
+
+    def marks_inside(self, domain: Node) -> int:
+        """The marks of all states inside a state."""
+        first, end = self.first_mark[domain.index + 1], self.first_mark[domain.last + 1]
+        return (1 << end) - (1 << first)
+
+    def ended(self, node: Node) -> int:
+        """The mark that the behaviour of a state has ended."""
+        return 1 << self.first_mark[node.index]
+
+    def done(self, node: Node) -> int:
+        """The mark that the behaviour of a state has ended in ``done``."""
+        return 2 << self.first_mark[node.index]
+
+    def posting(self) -> Iterator[tuple[Node, int]]:
+        """The states that may post events while they are active, with the marks of those."""
+        for node in self.graph.nodes:
+            marks = 0
+            for word in set(_events_while_active(node)):
+                marks |= self.posted.get(word, 0)
+            for action in node.throughout:
+                if action.event and action.kind == "send":
+                    marks |= 3 * self.sent[action.event]
+            if marks:
+                yield node, marks
+
+    # -- chances ------------------------------------------------------------------------------
+
+    def chances(self, leaf: int) -> Chances:
+        """The chances of a leaf state together with those of the states around it."""
+        found = self._chances.get(leaf)
+        if found is None:
+            here = [self._chances_of(node) for node in self.chains[leaf]]
+            found = self._chances[leaf] = Chances(
+                tuple(each for chances in here for each in chances.endings),
+                tuple(each for chances in here for each in chances.timers),
+                tuple(each for chances in here for each in chances.conditions),
+                tuple(dict.fromkeys(each for chances in here for each in chances.events)),
+                sum(chances.due for chances in here),
             )
+        return found
+
+    def _chances_of(self, node: Node) -> Chances:
+        found = self._here.get(node.index)
+        if found is None:
+            found = self._here[node.index] = self._new_chances(node)
+        return found
+
+    def _new_chances(self, node: Node) -> Chances:
+        endings = tuple(self._endings(node))
+        timers = tuple(self._timers(node))
+        sure = [timer.mark for timer in timers if timer.is_sure]
+        if node.invocation and node.invocation.behavior.outcomes:
+            sure.append(self.ended(node))
+        conditions = tuple(
+            edge
+            for when in node.whens
+            if constant_of(when.condition) is not False and not _lasts(when)
+            for edge in when.edges
+            if constant_of(edge.guard) is not False
         )
+        heard = tuple(word for word in self.words.heard_in(node) if word in self._outside)
+        return Chances(endings, timers, conditions, heard, sum(sure))
 
-    @cached_property
-    def with_always(self) -> int:
-        """The leaves in or around which there is an ``always``."""
-        return self.mask(
-            leaf for leaf in self.nodes if any(n.always for n in (leaf, *leaf.ancestors))
-        )
-
-    @cached_property
-    def finals(self) -> int:
-        """The final states."""
-        return self.mask(node for node in self.nodes if node.type == "final")
-
-    @cached_property
-    def ends(self) -> int:
-        """The final states that end the mission."""
-        return self.mask(
-            n for n in self.nodes if n.type == "final" and owner_of(n) is self.graph.root
-        )
-
-    @cached_property
-    def root_parallel(self) -> Node | None:
-        """The parallel state, if any, whose end is the mission's."""
-        owned = (n for n in self.nodes if n.type == "parallel" and n.owner is self.graph.root)
-        return next(owned, None)
-
-    @cached_property
-    def triggered(self) -> list[tuple[Effect, ...]]:
-        """For each leaf state, the effects of the transitions by events and conditions that it and
-        its ancestors have.
-        """
-        here = [tuple(self._triggered(node)) for node in self.nodes]
-        return [self._around(leaf, here) for leaf in self.nodes]
-
-    @cached_property
-    def courses(self) -> list[tuple[Course, ...]]:
-        """For each leaf state, the courses of the behaviours and timers that it and its ancestors
-        have.
-        """
-        here = [(*self._outcomes(node), *self._timers(node)) for node in self.nodes]
-        return [self._around(leaf, here) for leaf in self.nodes]
-
-    def _around(self, leaf: Node, here: Sequence[tuple[T, ...]]) -> tuple[T, ...]:
-        if leaf.children:
-            return ()
-        found = (each for node in self.chains[leaf.index] for each in here[node.index])
-        return tuple(dict.fromkeys(found))
-
-    def _triggered(self, node: Node) -> Iterator[Effect]:
-        events = (edges for trigger, edges in node.on if "." in trigger or trigger == "*")
-        for edges in (*events, *(when.edges for when in node.whens)):
-            for edge in edges:
-                if edge.targets:
-                    yield from self.effects(edge)
-
-    def _outcomes(self, node: Node) -> Iterator[Course]:
+    def _endings(self, node: Node) -> Iterator[Ending]:
         if node.invocation is None:
             return
-        for word in {**node.invocation.behavior.outcomes, "failed": None}:
-            mark = 1 << 2 * node.index + (word != "done")
-            effects: list[Effect | None] = []
-            for edge in self.choices(self.heard_by(node, word), word):
-                if edge is not None and edge.targets:
-                    effects += self.effects(edge)
-                elif edge is not None or word != "failed":
-                    effects.append(None)
-                # A `failed` that nobody takes is the host's, and lands.
-            yield Course(("do", node.index, 0), 3 << 2 * node.index, mark, tuple(effects))
+        behavior = node.invocation.behavior
+        for word in {**behavior.outcomes, "failed": None}:
+            lands = behavior.ends_landed and word == "done"
+            marks = self.ended(node) | (self.done(node) if word == "done" else 0)
+            yield Ending(node, word, self.ended(node), marks | (LANDED if lands else 0), lands)
 
-    def _timers(self, node: Node) -> Iterator[Course]:
-        for number, after in enumerate(node.afters):
-            edges = [edge for edge in up_to_unguarded(after.edges) if edge and edge.targets]
-            effects = tuple(effect for edge in edges for effect in self.effects(edge))
-            yield Course(("after", node.index, number), 0, 0, effects)
+    def _timers(self, node: Node) -> Iterator[Timer]:
+        mark, behind = 4 << self.first_mark[node.index], 0
+        for when in _lasting(node):
+            options = alternatives(when.edges)
+            yield Timer(mark, options, self._goes_first(node), behind)
+            behind |= 0 if None in options else mark
+            mark <<= 1
+        for after in node.afters:
+            yield Timer(mark, alternatives(after.edges), True, behind)
+            mark <<= 1
 
-    def effects(self, edge: Edge) -> tuple[Effect, ...]:
-        """The effects of a transition; several where they depend on what history remembers."""
-        found = self._effects.get(edge)
-        if found is None:
-            found = tuple(dict.fromkeys(self._new_effects(edge)))
-            self._effects[edge] = found
-        return found
+    def _goes_first(self, node: Node) -> bool:
+        """Whether no condition of another state can forestall those of a state for ever."""
+        inside = self.graph.nodes[node.index + 1 : node.last + 1]
+        in_region = any(around.type == "parallel" for around in node.ancestors)
+        return not in_region and not any(other.whens for other in inside)
 
-    def _new_effects(self, edge: Edge) -> Iterator[Effect]:
-        if edge.domain is None:
-            yield Effect(-1, -1, 0)
-            return
-        for recorded in self._memories(edge.domain, edge.targets):
-            domain = transition_domain(edge, recorded)
-            assert domain is not None, "a transition with targets has a domain"
-            first, size = domain.index + 1, domain.last - domain.index
-            left, left_ended = (1 << size) - 1 << first, (1 << 2 * size) - 1 << 2 * first
-            entered = entry_set(domain, edge.targets, recorded).states
-            yield Effect(~left, ~left_ended, self.mask(entered))
+    # -- who hears what -----------------------------------------------------------------------
 
-    def mask(self, nodes: Iterable[Node]) -> int:
-        """The mask of the leaves among these states, without those of independent regions."""
-        found = 0
-        for node in nodes:
-            if not node.children and node.index not in self.independent:
-                found |= node.mask
-        return found
-
-    def entries(self, domain: Node, targets: tuple[Node, ...]) -> list[list[Node]]:
-        """The sets of states that may be entered; history may give any that it could remember."""
-        return [
-            entry_set(domain, targets, recorded).states
-            for recorded in self._memories(domain, targets)
-        ]
-
-    def _memories(self, domain: Node, targets: tuple[Node, ...]) -> Iterator[Recorded]:
-        """What the history states may remember that are asked for on the way to these targets."""
-        asked: dict[Node, None] = {}
-
-        def nothing(history: Node) -> None:
-            asked[history] = None
-
-        entry_set(domain, targets, nothing)
-        for picked in product(*map(_remembered, asked)):
-            yield dict(zip(asked, picked, strict=True)).get
-
-    def choices(self, nodes: Sequence[Node], word: str) -> list[Edge | None]:
-        """The transitions that may take an event; None at the end where all may refuse it."""
-        found: list[Edge | None] = []
-        for node in nodes:
-            for edge in node.edges_for(word, self.graph.vocabulary):
-                found.append(edge)
-                if edge.guard is None:
-                    return found
-        return [*found, None]
-
-    def heard_by(self, owner: Node, word: str) -> Sequence[Node]:
-        """The states that an outcome is offered to; only `failed` climbs out of its graph."""
-        around = self.chains[owner.index]
-        if word == "done":
-            return (owner,)
-        if word == "failed":
-            return around
-        within = tuple(owner.outwards())
-        return [node for node in around if node in within]
-
-    def takers(self, event: str) -> int:
-        """The mask of the leaves in or around which a transition may take an event."""
-        return self.mask(leaf for leaf in self.nodes if self.offered(leaf.index, event) != [None])
-
-    def offered(self, leaf: int, event: str) -> list[Edge | None]:
+    def offered(self, leaf: int, event: str) -> tuple[Option, ...]:
         """The transitions that may take an event which is offered to a leaf and then outwards."""
-        found = self._choices.get((leaf, event))
+        found = self._offered.get((leaf, event))
         if found is None:
-            found = self._choices[leaf, event] = self.choices(self.chains[leaf], event)
+            edges = (e for node in self.chains[leaf] for e in self.words.edges(node, event))
+            found = self._offered[leaf, event] = alternatives(edges)
         return found
 
+    def always(self, leaf: int) -> tuple[Option, ...]:
+        """The ``always`` transitions that a leaf and the states around it may take."""
+        return alternatives(edge for node in self.chains[leaf] for edge in node.always)
 
-def owner_of(final: Node) -> Node:
-    """The state that a final state ends."""
-    assert final.parent is not None
-    return final.parent.owner
+    def outcome(self, owner: Node, word: str) -> tuple[Option, ...]:
+        """The transitions that may take an outcome of a state: ``done`` is heard by that state
+        alone, only ``failed`` climbs out of its graph.
+        """
+        asked: Sequence[Node] = self.chains[owner.index]
+        if word == "done":
+            asked = (owner,)
+        elif word != "failed":
+            within = set(owner.outwards())
+            asked = [node for node in asked if node in within]
+        vocabulary = self.graph.vocabulary
+        return alternatives(edge for node in asked for edge in node.edges_for(word, vocabulary))
 
 
-def up_to_unguarded(edges: Sequence[Edge]) -> list[Edge | None]:
-    """The alternatives up to the first without a guard; None at the end if all have one."""
-    found: list[Edge | None] = []
+class Words:
+    """The events of a graph, and which transitions of each state take them."""
+
+    def __init__(self, graph: Graph, names: Iterable[str]) -> None:
+        self._edges: dict[str, dict[int, tuple[Edge, ...]]] = {}
+        self._heard: dict[int, list[str]] = {}
+        names = sorted(names)
+        known = set(names)
+        for node in graph.nodes:
+            heard: dict[str, None] = {}
+            for pattern, edges in node.on:
+                if not edges or ("." not in pattern and pattern != "*"):
+                    continue  # An outcome, or what forbids one.
+                exact = pattern in known
+                for name in [pattern] if exact else names:
+                    if exact or node.matches(pattern, name, graph.vocabulary):
+                        heard[name] = None
+                        taken = self._edges.setdefault(name, {})
+                        taken[node.index] = taken.get(node.index, ()) + edges
+            if heard:
+                self._heard[node.index] = list(heard)
+        self.taken = frozenset(self._edges)
+        """The events that some transition takes."""
+
+    def edges(self, node: Node, event: str) -> tuple[Edge, ...]:
+        """The transitions that an event may take in one state, in order."""
+        return self._edges.get(event, {}).get(node.index, ())
+
+    def heard_in(self, node: Node) -> Sequence[str]:
+        """The events that some transition of a state takes."""
+        return self._heard.get(node.index, ())
+
+
+def _events_from_outside(graph: Graph) -> frozenset[str]:
+    """The events of the host and those declared, and one of each family that some state takes."""
+    vocabulary = graph.vocabulary
+    specs = graph.source.closure() if graph.source else ()
+    families = {p for node in graph.nodes for p, _ in node.on if p.endswith(".*")}
+    return frozenset(
+        {
+            *vocabulary.events, *vocabulary.must_land,
+            *(event.name.text for spec in specs for event in spec.events),
+            *(family.removesuffix("*") + "event" for family in families),
+            "error.execution", "error.livelock", "any.event",
+        }
+    )  # fmt: skip
+
+
+def _events_while_active(node: Node) -> Iterator[str]:
+    """The events that a state may post in each period in which it is active."""
+    if node.invocation:
+        yield from node.invocation.behavior.events
+    yield from (action.event for action in node.throughout if action.event)
+
+
+def constant_of(compiled: Compiled | None) -> bool | None:
+    """Whether a guard or condition is always true or always false; None where that depends."""
+    if compiled is None:
+        return True
+    if not compiled.constant:
+        return None
+    try:
+        return compiled.value() is True
+    except FAILURES:
+        return False
+
+
+def alternatives(edges: Iterable[Edge]) -> tuple[Option, ...]:
+    """The alternatives up to the first that is sure to be taken; None at the end if none is."""
+    found: list[Option] = []
     for edge in edges:
-        found.append(edge)
-        if edge.guard is None:
-            return found
-    return [*found, None]
+        passes = constant_of(edge.guard)
+        if passes is not False:
+            found.append(edge)
+        if passes:
+            return tuple(found)
+    return (*found, None)
 
 
-def _remembered(history: Node) -> list[tuple[Node, ...] | None]:
-    """The sets of states that a history state may remember; None as long as it remembers none."""
-    assert history.parent is not None
-    among = inside(history.parent) if history.deep else iter(history.parent.children)
-    options = [n for n in among if n.type != "history" and not (history.deep and n.children)]
-    if history.parent.type == "parallel":
-        return [None, tuple(options)]
-    return [None, *((node,) for node in options)]
+def _lasting(node: Node) -> list[When]:
+    """The conditions of a state that are always true, and so become due once."""
+    return [when for when in node.whens if _lasts(when)]
 
 
-def inside(node: Node | None) -> Iterator[Node]:
-    """Every state inside a state, in document order."""
-    for child in node.children if node else ():
-        yield child
-        yield from inside(child)
+def _lasts(when: When) -> bool:
+    # With several alternatives that must last, the first is not the first to become due.
+    in_order = len(when.edges) == 1 or all(edge.hold is None for edge in when.edges)
+    return in_order and constant_of(when.condition) is True
+
+
+def _marks_of(node: Node) -> int:
+    """How many marks a state has."""
+    return 2 + len(node.afters) + len(_lasting(node))

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 
 from fsm.chart.entry_sets import default_entry
 from fsm.chart.graph import After, Edge, Graph, Node
@@ -22,12 +22,21 @@ def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator
 
     ``can_finish`` says of a region whether it can finish, and so end its parallel state.
     """
+    moves = [any(edge.domain is not None for edge in node.edges()) for node in graph.nodes]
+    leading_out = _regions_leading_out(graph)
     for node in graph.nodes:
         if node.children or node.type in ("final", "history", "compound"):
             continue
         if node.parent is graph.root and graph.root.type == "parallel" and can_finish(node):
             continue
-        if not any(leaves(edge, node) for place in _beside(graph, node) for edge in place.edges()):
+        around = (node, *node.ancestors)
+        # A transition leaves all that is inside its state, and one that leads out of a region all
+        # that is inside the other regions.
+        if not any(moves[place.index] for place in around) and not any(
+            region is not leading
+            for region, parent in pairwise(around)
+            for leading in leading_out.get(parent.index, ())
+        ):
             yield Fault(
                 "no-way-out",
                 f"nothing ever leaves '{node.path or graph.name}'",
@@ -36,19 +45,22 @@ def endless_states(graph: Graph, can_finish: Callable[[Node], bool]) -> Iterator
             )
 
 
-def _beside(graph: Graph, node: Node) -> Iterator[Node]:
-    """The states that can be active together with one: itself, those around it, other regions'."""
-    around = (node, *node.ancestors)
-    yield from around
-    for region, parent in pairwise(around):
-        if parent.type == "parallel":
-            yield from graph.nodes[parent.index + 1 : region.index]
-            yield from graph.nodes[region.last + 1 : parent.last + 1]
-
-
-def leaves(edge: Edge, node: Node) -> bool:
-    """Whether a transition leaves a state."""
-    return edge.domain is not None and (edge.domain.contains(node) or edge.domain is node)
+def _regions_leading_out(graph: Graph) -> dict[int, list[Node]]:
+    """For each parallel state, two of its regions from which a transition leads out of them; all
+    where there are fewer.
+    """
+    outermost = [node.index for node in graph.nodes]
+    for node in reversed(graph.nodes):
+        domains = (edge.domain.index for edge in node.edges() if edge.domain is not None)
+        children = (outermost[child.index] for child in node.children)
+        outermost[node.index] = min((node.index, *domains, *children))
+    return {
+        node.index: list(
+            islice((r for r in default_entry(node) if outermost[r.index] < r.index), 2)
+        )
+        for node in graph.nodes
+        if node.type == "parallel"
+    }
 
 
 def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
@@ -58,13 +70,13 @@ def _groups(node: Node) -> Iterator[tuple[Edge, ...]]:
     yield node.always
 
 
-def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Iterator[Fault]:
-    """Transitions that are never taken because one before them takes all their events, or has the
-    same guard.
+def dead_alternatives(nodes: Iterable[Node], covers: Callable[[str, str], bool]) -> Iterator[Fault]:
+    """Transitions of states that are never taken because one before them takes all their events,
+    or has the same guard.
 
     ``covers`` says whether its first pattern takes all events of its second.
     """
-    for node in graph.nodes:
+    for node in nodes:
         for edges in _groups(node):
             if len(edges) < 2:
                 continue
@@ -78,46 +90,61 @@ def dead_alternatives(graph: Graph, covers: Callable[[str, str], bool]) -> Itera
                         later.where,
                         "give the one before it a guard, or put this one first",
                     )
-        for index, (event, edges) in enumerate(node.on):
-            for pattern, earlier_edges in node.on[:index]:
-                takes_all = any(edge.guard is None for edge in earlier_edges)
-                if takes_all and edges and covers(pattern, event):
-                    yield Fault(
-                        "dead-alternative",
-                        f"'{event}' is never reached: '{pattern}' above it takes all",
-                        edges[0].where,
-                        f"put '{event}' before '{pattern}'",
-                    )
+        wide: list[str] = []
+        for pattern, edges in node.on:
+            above = next((each for each in wide if covers(each, pattern)), None)
+            if above is not None and edges:
+                yield Fault(
+                    "dead-alternative",
+                    f"'{pattern}' is never reached: '{above}' above it takes all",
+                    edges[0].where,
+                    f"put '{pattern}' before '{above}'",
+                )
+            if covers(pattern, f"{pattern}.more") and any(edge.guard is None for edge in edges):
+                wide.append(pattern)
 
 
 def endless_always(graph: Graph) -> Iterator[Fault]:
     """Loops of unguarded ``always`` transitions, which would never end."""
+    seen: set[int] = set()
     for start in graph.nodes:
-        node, seen = start, set[int]()
-        while True:
+        walk: dict[int, Edge] = {}
+        node: Node | None = start
+        while node is not None and node.index not in seen:
+            seen.add(node.index)
             edge = next((edge for edge in node.always if edge.guard is None), None)
-            if edge is not None and not edge.targets:
+            if edge is None:
+                break
+            if not edge.targets:
                 yield Fault(
                     "endless-always",
                     "this `always` leads nowhere and never ends",
                     edge.where,
                     "give it a target or a guard; what is to be done once belongs to `entry`",
                 )
-            if edge is None or len(edge.targets) != 1:
-                break
-            node = edge.targets[0]
-            while node.initial and len(node.initial) == 1 and not node.always:
-                node = node.initial[0]
-            if node is start:
-                yield Fault(
-                    "endless-always",
-                    "these `always` transitions never end",
-                    edge.where,
-                    "give one of them a guard",
-                )
-            if node is start or node.index in seen:
-                break
-            seen.add(node.index)
+            walk[node.index] = edge
+            node = _entered(edge)
+        if node is None or node.index not in walk:
+            continue
+        for edge in list(walk.values())[list(walk).index(node.index) :]:
+            yield Fault(
+                "endless-always",
+                "these `always` transitions never end",
+                edge.where,
+                "give one of them a guard",
+            )
+
+
+def _entered(edge: Edge) -> Node | None:
+    """The state in which a transition with one target ends, or the first on the way that has an
+    ``always`` of its own.
+    """
+    if len(edge.targets) != 1:
+        return None
+    (node,) = edge.targets
+    while node.initial and len(node.initial) == 1 and not node.always:
+        node = node.initial[0]
+    return node
 
 
 def never_taken(graph: Graph, late: Iterable[After]) -> set[Edge]:
@@ -155,28 +182,34 @@ def dead_timers(late: Mapping[After, After]) -> Iterator[Fault]:
 def late_timers(graph: Graph) -> dict[After, After]:
     """The timers that never come, each with one that is sure to leave its state before."""
     found: dict[After, After] = {}
+    leaving = {node.index: _first_to_leave(node) for node in graph.nodes if node.afters}
     for node in graph.nodes:
         if not node.afters:
             continue
-        around = [place for place in (node, *node.ancestors) if place.afters]
-        for after in node.afters if len(node.afters) > 1 or len(around) > 1 else ():
+        around = [place.index for place in (node, *node.ancestors) if place.afters]
+        for after in node.afters:
             seconds = _seconds(after)
-            earlier = (a for place in around for a in place.afters if _leaves(a, seconds, place))
-            first = None if seconds is None else next(earlier, None)
+            sure = (leaving[place] for place in around)
+            before = (a for due, a in sure if a and seconds is not None and due < seconds)
+            first = next(before, None)
             if first is not None:
                 found[after] = first
     return found
+
+
+def _first_to_leave(node: Node) -> tuple[float, After | None]:
+    """The first timer of a state that is sure to leave it, and when it is due."""
+    sure = [(_seconds(after), after) for after in node.afters if _leaves(after, node)]
+    known = [(seconds, after) for seconds, after in sure if seconds is not None]
+    return min(known, key=lambda each: each[0], default=(0.0, None))
 
 
 def _seconds(after: After) -> float | None:
     return float(after.duration.value()) if after.duration.constant else None
 
 
-def _leaves(after: After, seconds: float | None, node: Node) -> bool:
-    """Whether a timer of a state is sure to leave it before so many seconds have passed."""
-    due = _seconds(after)
-    if due is None or seconds is None or due >= seconds:
-        return False
+def _leaves(after: After, node: Node) -> bool:
+    """Whether a timer of a state is sure to leave it when it is due."""
     for edge in after.edges:
         if edge.domain is None or not edge.domain.contains(node):
             return False
@@ -229,9 +262,6 @@ def reachable(graph: Graph, dead: Collection[Edge] = ()) -> set[int]:
         for edge in node.edges():
             for target in edge.targets if edge not in dead else ():
                 reach((target, *(target.initial if target.type == "history" else ())))
-                for ancestor in target.ancestors:
-                    if ancestor.type == "parallel":
-                        reach(default_entry(ancestor))
     return reached
 
 

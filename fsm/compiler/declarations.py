@@ -23,6 +23,7 @@ from fsm.expressions.scope import (
     Binding,
     Define,
     Scope,
+    Size,
 )
 from fsm.faults import Faults
 from fsm.host import Parameter, Vocabulary
@@ -49,6 +50,7 @@ class Declarations:
         """The scope of each state, by its index."""
         self.graphs: dict[int, Namespace] = {}
         """The namespace of each graph, by the index of its root."""
+        self._size = Size()
         self._names: list[Namespace] = []
         """The namespace of each state, by its index."""
         self._declare_graph(tree.root)
@@ -85,7 +87,7 @@ class Declarations:
         return {state.path.removeprefix(around): state.index for state in inside}
 
     def _host_scope(self) -> Scope:
-        scope = Scope(warnings=self.faults)
+        scope = Scope(warnings=self.faults, size=self._size)
         scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
         scope.names["dt"] = Binding("dt", "host", Number(TIME), PERIOD_SLOT)
         for index, (name, type_) in enumerate(self.vocabulary.names.items()):

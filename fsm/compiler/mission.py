@@ -39,7 +39,7 @@ from fsm.language.spec import (
     TriggerSpec,
 )
 from fsm.values.types import ANY, BOOL, MapOf, Number, Type
-from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.errors import Correction, Fault, UserError, Where, certain, nearest
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
 
@@ -109,6 +109,8 @@ class _Compiler:
         self.own = names.of(tree.root)
         """The namespace of the graph whose states are being filled."""
         self.events = self.own.known_events
+        self.known_outcomes: dict[int, dict[str, Fields | None] | None] = {}
+        """What :meth:`outcomes` said of each state that was asked about."""
         self.messages: list[Message] = []
         """The events that the actions compiled so far raise, send and cancel."""
         self.flawed: set[StateDraft] = set()
@@ -222,7 +224,9 @@ class _Compiler:
 
     def outcome_fields(self, state: StateDraft, key: Scalar) -> Fields | None:
         """The fields of an outcome, as :meth:`event_fields` gives them."""
-        outcomes, name = self.outcomes(state), key.text
+        if state.index not in self.known_outcomes:
+            self.known_outcomes[state.index] = self.outcomes(state)
+        outcomes, name = self.known_outcomes[state.index], key.text
         if outcomes is None:
             return None
         if name not in outcomes:
@@ -231,7 +235,9 @@ class _Compiler:
                 "unknown-outcome",
                 f"nothing in this state ends with the outcome '{name}'",
                 key.where,
-                f"did you mean the event '{event}'?" if event else _outcome_hint(name, outcomes),
+                Correction(name, event, f"did you mean the event '{event}'?")
+                if event
+                else _outcome_hint(name, outcomes),
             )
         return outcomes[name]
 
@@ -442,10 +448,14 @@ def expression(scalar: Scalar, scope: Scope, wanted: Type) -> Compiled:
 
 def _outcome_hint(name: str, outcomes: Iterable[str]) -> str:
     """All outcomes that there are, and the one that was meant where that is sure."""
-    close = get_close_matches(name, outcomes, n=1, cutoff=0.75)
-    meant = f"did you mean '{close[0]}'? " if close else ""
-    words = ", ".join(sorted(outcomes))
-    return f"{meant}the outcomes here are: {words}" if words else "there are no outcomes here"
+    words = sorted(outcomes)
+    if not words:
+        return "there are no outcomes here"
+    listed = f"the outcomes here are: {', '.join(words[:12])}{', …' if len(words) > 12 else ''}"
+    meant = certain(name, words)
+    if meant is None:
+        return listed
+    return Correction(name, meant, f"did you mean '{meant}'? {listed}")
 
 
 def _common(known: list[Fields | None]) -> Fields | None:

@@ -6,10 +6,12 @@ from fsm.chart.draft import MAX_STATE_DEPTH, Draft, StateDraft
 from fsm.faults import Faults
 from fsm.language.spec import MissionSpec, StateSpec
 from vencejo.errors import UserError, nearest
-from vencejo.nodes import Scalar
+from vencejo.nodes import Scalar, count
 
 MAX_STATES = 10_000
 """Most states of a mission, included graphs counted; twenty files could ask for a million."""
+MAX_VALUES = 80_000
+"""Most values of its included graphs, counted each time; a file has 10,000 at most."""
 
 
 class Tree:
@@ -24,6 +26,9 @@ class Tree:
         """The children of each state by name, without the roots of included graphs."""
         self.graphs: dict[int, MissionSpec] = {}
         """The spec of each graph, by the index of its root."""
+        self.values = 0
+        """The number of values in the graphs included so far."""
+        self.sizes: dict[MissionSpec, int] = {}
         self.root = self.begin(mission, None, "", "")
         self.link()
 
@@ -63,8 +68,18 @@ class Tree:
             raise UserError("too-deep", message, word.where)
         included = mission.included.get(word.text)
         if included is not None:
+            self.values += self.size_of(included)
+            if self.values > MAX_VALUES:
+                message = f"with all includes there are more than {MAX_VALUES:,} values"
+                raise UserError("too-many-nodes", message, word.where)
             # No target can be written with a colon: none crosses the border by accident.
             self.begin(included, state, f":{included.name}", state.path)
+
+    def size_of(self, graph: MissionSpec) -> int:
+        """The number of values in a graph."""
+        if graph not in self.sizes:
+            self.sizes[graph] = count(graph.node) if graph.node else 0
+        return self.sizes[graph]
 
     def lacks(self, state: StateDraft) -> bool:
         """Whether a state includes a graph that was not found, so that its contents are unknown."""

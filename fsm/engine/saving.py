@@ -12,6 +12,7 @@ import json
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any
@@ -277,6 +278,8 @@ def write_saved(path: Path, saved: Mapping[str, Any]) -> None:
         beside.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
         reason = error.strerror or str(error)
         raise UserError(
             "cannot-save", f"cannot save the mission: {reason}", Where(str(path))

@@ -10,7 +10,7 @@ from typing import Any
 from fsm.expressions.scope import Scope
 from fsm.values.functions import Budget, bounded
 from fsm.values.types import HeadingType, Number, Type
-from vencejo.errors import Where
+from vencejo.errors import Correction, Where
 from vencejo.units import ANGLE, TURN_RATE
 
 LARGEST_ANGLE = tau + 0.01
@@ -55,5 +55,5 @@ def warn_of_angle(scope: Scope, number: float, text: str, place: Type, where: Wh
         f"{text} without a unit is {text} {unit.replace('deg', 'rad')}, "
         f"{abs(number) / tau:.0f} turns" + (" a second" if "/" in unit else ""),
         where,
-        f"did you mean '{text} {unit}'?",
+        Correction(text, f"{text} {unit}"),
     )

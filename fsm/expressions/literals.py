@@ -41,7 +41,7 @@ from fsm.values.types import (
     in_bounds,
     join_all,
 )
-from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.errors import Correction, Fault, UserError, Where, nearest
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, Sequence, YamlNode, kind
@@ -126,7 +126,8 @@ def _boolean(node: Scalar, place: Bool, _: Context) -> Compiled:
     if text not in ("true", "false"):
         yes = text.lower() in ("yes", "on", "y", "1", "true")
         no = text.lower() in ("no", "off", "n", "0", "false")
-        hint = f"write {'true' if yes else 'false'}" if yes or no else None
+        meant = "true" if yes else "false"
+        hint = Correction(text, meant, f"write {meant}") if yes or no else None
         raise _wrong(node, place, hint)
     return constant(text == "true", BOOL, node.where, text)
 

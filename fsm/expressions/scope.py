@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from fsm.values.functions import FUNCTIONS
-from fsm.values.types import ANY, Number, Type
+from fsm.values.types import ANY, MapOf, Number, Type
 from vencejo.errors import Fault, UserError, Where
 from vencejo.nodes import Scalar
 from vencejo.units import TIME
@@ -23,6 +23,10 @@ TIME_SLOT = 0
 CONFIGURATION_SLOT = 1
 PERIOD_SLOT = 2
 FIRST_HOST_SLOT = 3
+MAX_PARTS = 80_000
+"""The most parts of all expressions of a mission."""
+EXPRESSION = 5
+"""An expression counts as so many parts more than it has."""
 
 BindingKind = Literal["host", "parameter", "data", "published", "define", "entered", "event"]
 
@@ -54,6 +58,36 @@ class Define:
     busy: bool = False
 
 
+HINTS = 200
+"""Number of unknown names in a mission for which a hint is looked for."""
+
+
+@dataclass(eq=False)
+class Size:
+    """How large the expressions of a mission are, those of defines counted at each use."""
+
+    parts: int = 0
+    unknown: int = 0
+    """Number of unknown names found."""
+
+    def add_unknown(self) -> bool:
+        """Count an unknown name; True for the first ones, for which a hint is worth the search."""
+        self.unknown += 1
+        return self.unknown <= HINTS
+
+    def add_expression(self, file: str) -> None:
+        """Count one. Raises UserError, always the same, once there are too many."""
+        self.parts += EXPRESSION
+        if self.parts > MAX_PARTS:
+            raise UserError(
+                "mission-too-large",
+                f"the expressions of this mission have more than {MAX_PARTS:,} parts, those of "
+                "defines counted at each use",
+                Where(file),
+                "keep what is used often in a variable under `data`",
+            )
+
+
 @dataclass(eq=False)
 class Scope:
     """The names of one state, and by its parent those of the states around it."""
@@ -67,6 +101,8 @@ class Scope:
     """The slot of the time at which this scope's state was entered."""
     warnings: list[Fault] = field(default_factory=list)
     """What is doubtful in the expressions compiled here; scopes inside share the list."""
+    size: Size = field(default_factory=Size)
+    """The size of what was compiled here; scopes inside share it."""
 
     def find(self, name: str) -> Binding | Define | None:
         """The declaration of a name here or further out; None when it is unknown."""
@@ -91,6 +127,15 @@ class Scope:
         while scope is not None:
             yield from scope.names
             yield from scope.defines
+            scope = scope.parent
+
+    def with_field(self, field: str) -> Iterator[str]:
+        """The visible names of maps that have a field, inner ones first."""
+        scope: Scope | None = self
+        while scope is not None:
+            for name, binding in scope.names.items():
+                if isinstance(binding.type, MapOf) and field in (binding.type.fields or {}):
+                    yield name
             scope = scope.parent
 
     def declare(self, thing: Binding | Define, where: Where | None) -> None:
@@ -129,13 +174,16 @@ class Scope:
 
     def with_event(self, type_: Type) -> Scope:
         """This scope with ``event``, as an ``on`` transition sees it."""
-        inner = Scope(self, entered_slot=self.entered_slot, warnings=self.warnings)
+        inner = self._inner(self.entered_slot)
         inner.names["event"] = Binding("event", "event", type_)
         return inner
 
     def inside(self, entered_slot: int) -> Scope:
         """A scope for a state within this one."""
-        inner = Scope(self, entered_slot=entered_slot, warnings=self.warnings)
+        inner = self._inner(entered_slot)
         if self.find("time_in_state") is None:
             inner.names["time_in_state"] = Binding("time_in_state", "entered", Number(TIME))
         return inner
+
+    def _inner(self, entered_slot: int) -> Scope:
+        return Scope(self, entered_slot=entered_slot, warnings=self.warnings, size=self.size)

@@ -8,7 +8,7 @@ import warnings
 from dataclasses import dataclass
 from keyword import iskeyword
 
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Correction, UserError, Where, nearest
 from vencejo.units import UNITS, UNSIGNED, Dimension, in_unit
 
 MAX_CHARACTERS = 1000
@@ -147,7 +147,10 @@ def _hint(text: str) -> str | None:
     if unit and unit[1] not in UNITS and unit[1] not in ("and", "or", "if", "else", "in", "not"):
         return nearest(unit[1], UNITS, otherwise=f"'{unit[1]}' is no unit")
     if "&&" in text or "||" in text or "!" in text.replace("!=", ""):
-        return "write `and`, `or`, `not`"
+        hint = "write `and`, `or`, `not`"
+        sign = re.search(r"\s*(&&|\|\|)\s*", text)
+        meant = {"&&": " and ", "||": " or "}
+        return Correction(sign[0], meant[sign[1]], hint) if sign else hint
     if re.search(r"(?<![=<>!:])=(?!=)", text):
         return "write `==` to compare"
     if re.search(r"\d\s*%\s*[\w(]", text):

@@ -33,7 +33,7 @@ from fsm.values.types import (
     product,
     raised,
 )
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Correction, UserError, Where, nearest
 from vencejo.units import ANGLE, LENGTH, RATIO
 
 MAX_COST = 10_000
@@ -107,6 +107,7 @@ class Translator:
         """The kinds of the names that its value depends on; empty for a constant."""
         self.loops = False
         """True with comprehensions, whose steps are counted in ``b``."""
+        scope.size.add_expression(where.file)
         self.parsed = parse(text, where)
         self.defined = 0
         """The number of parts of the defines it uses."""
@@ -191,6 +192,7 @@ class Translator:
 
     def visit(self, node: ast.expr) -> tuple[str, Type]:
         """The code and the type of a part of the expression. Raises UserError."""
+        self.scope.size.parts += 1
         visitor = _VISITORS.get(type(node))
         if visitor is None:
             cures = (f"use {cure}" for kind, cure in _INSTEAD.items() if isinstance(node, kind))
@@ -244,24 +246,20 @@ class Translator:
         self._unknown(node, name)
 
     def _unknown(self, node: ast.AST, name: str) -> NoReturn:
-        known = {*self.scope.visible(), *self.locals, *self.arguments}
-        hint = nearest(name, known)
-        host = next(
-            (
-                host
-                for host in known
-                if isinstance(self.scope.find(host), Binding)
-                and name in _fields(self.scope.find(host))
-            ),
-            None,
-        )
-        if host:
-            hint = f"did you mean '{host}.{name}'?"
-        elif name in fn.FUNCTIONS or name == "active":
-            hint = f"'{name}' is a function: write {name}(…)"
-        elif not known:
-            hint = "nothing is declared here; a text needs no `$`, and quotes inside an expression"
+        hint = self._meant(name) if self.scope.size.add_unknown() else None
         self.fail(node, "unknown-name", f"the name '{name}' is unknown here", hint)
+
+    def _meant(self, name: str) -> str | None:
+        """A hint at what an unknown name was to be."""
+        known = {*self.scope.visible(), *self.locals, *self.arguments}
+        host = next(self.scope.with_field(name), None)
+        if host:
+            return Correction(name, f"{host}.{name}")
+        if name in fn.FUNCTIONS or name == "active":
+            return f"'{name}' is a function: write {name}(…)"
+        if not known:
+            return "nothing is declared here; a text needs no `$`, and quotes inside an expression"
+        return nearest(name, known)
 
     def _binding(self, found: Binding) -> str:
         if found.kind == "event":
@@ -682,9 +680,3 @@ _VISITORS: Mapping[type[ast.expr], Callable[[Translator, Any], tuple[str, Type]]
     ast.ListComp: Translator._comprehension,
 }
 """The parts of Python that the language has; all others are refused."""
-
-
-def _fields(found: Binding | Define | None) -> Mapping[str, Type]:
-    if isinstance(found, Binding) and isinstance(found.type, MapOf):
-        return found.type.fields or {}
-    return {}

@@ -8,8 +8,8 @@ from pathlib import Path, PurePosixPath
 from fsm.faults import Faults
 from fsm.language.reader import spec_of
 from fsm.language.spec import MissionSpec
-from vencejo.errors import UserError, nearest
-from vencejo.files import file_inside
+from vencejo.errors import UserError
+from vencejo.files import file_inside, nearest_file
 from vencejo.nodes import Mapping, Scalar, read_file, read_text
 
 MAX_INCLUDES = 64
@@ -110,7 +110,7 @@ class _Library:
                 "no-such-file" if is_file else "unknown-graph",
                 f"there is no {what} '{word.text}' to include",
                 word.where,
-                nearest(word.text, [*named, *_files(folder)]),
+                nearest_file(word.text, [*named, *_files(folder)]),
             )
         found = self.file(path, str(PurePosixPath(spec.file).parent / word.text))
         return found, path.parent, found.graphs

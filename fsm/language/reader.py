@@ -23,7 +23,7 @@ from fsm.language.spec import (
     TriggerSpec,
 )
 from fsm.language.value_kinds import Reader
-from vencejo.errors import UserError, Where, nearest
+from vencejo.errors import Correction, UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, kind
 
 LANGUAGE = 1
@@ -69,6 +69,13 @@ _TRIGGERS = tuple(key for key in keys.AT["state"].values() if key.kind.reader ==
 _ROOT_TYPES = ("parallel",)
 _ALLOWED = {"final": keys.AT["final"], "history": keys.AT["history"]}
 _TYPE, _PRIORITY = keys.ANY_STATE["type"], keys.AT["mission"]["priority"]
+
+
+def _blank_missing(key: Scalar, more: str = "") -> str:
+    """The hint for a key such as ``done:land``."""
+    hint = f"is a blank missing after the colon? {more}".rstrip()
+    name, _, value = key.text.partition(":")
+    return Correction(key.text, f"{name}: {value}", hint) if key.plain and value else hint
 
 
 class _Reader:
@@ -226,12 +233,12 @@ class _Reader:
             trigger = cast(TriggerKind, key.name)
             for cause, value in self.map(node, key.name):
                 if key.kind.pattern and not key.kind.pattern.fullmatch(cause.text):
+                    hint = "an outcome is one word; an event has a dot"
                     self.fail(
                         "bad-event",
                         f"'{cause.text}' is no outcome and no event",
                         cause.where,
-                        "an outcome is one word; an event has a dot"
-                        + (": is a blank missing after the colon?" if ":" in cause.text else ""),
+                        _blank_missing(cause, hint) if ":" in cause.text else hint,
                     )
                     continue
                 found.append(self.trigger(trigger, cause, value))
@@ -258,7 +265,7 @@ class _Reader:
             if node.null or not node.text:
                 hint = "name a target, or write {} for `taken, nothing happens`"
                 if ":" in key.text:
-                    hint = "is a blank missing after the colon? " + hint
+                    hint = _blank_missing(key, hint)
                 elif any(mark in key.text for mark in "([{"):
                     hint = "a key with a comma or bracket inside `{ }` needs quotes"
                 self.fail("empty-transition", f"'{key.text}' leads nowhere", key.where, hint)
@@ -311,7 +318,7 @@ class _Reader:
             if key.text in keys.TOP_ONLY:
                 hint = f"'{key.text}' stands at the top of the file only"
             elif ":" in key.text:
-                hint = "is a blank missing after the colon?"
+                hint = _blank_missing(key)
             self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
         return Mapping(meant, node.where)
 
@@ -408,7 +415,11 @@ class _Reader:
                 what = "an event (it needs a dot)" if pattern is keys.EVENT_NAME else "a name"
                 hint = None
                 if isinstance(inner, Scalar) and inner.null:
-                    hint = "a text with a comma inside `{ }` needs quotes; decimals have a point"
+                    hint = (
+                        _blank_missing(name)
+                        if ":" in name.text
+                        else "a text with a comma inside `{ }` needs quotes; decimals have a point"
+                    )
                 self.fail("bad-name", f"'{name.text}' is not {what}", name.where, hint)
                 continue
             found.append(Named(name, inner))

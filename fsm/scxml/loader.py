@@ -93,7 +93,7 @@ def _odd(graph: Graph) -> Iterator[Fault]:
     for fault in (
         *endless_states(graph, lambda region: False),
         *unreachable(graph, reachable(graph)),
-        *dead_alternatives(graph, covers),
+        *dead_alternatives(graph.nodes, covers),
         *endless_always(graph),
     ):
         yield replace(fault, severity="warning")

@@ -1,6 +1,7 @@
 """The simulator: deterministic, without a window, many times faster than the clock."""
 
 from hal.sim.bullet import Bullet
+from hal.sim.flight_model import FLIGHT_MODEL
 from hal.sim.sensors.camera_spec import DEFAULT_CAMERAS, CameraSpec
 from hal.sim.session import SimSession
 from hal.sim.vehicle import CAPABILITIES as _FLYING
@@ -11,7 +12,7 @@ from worlds import find_world
 CAPABILITIES = _FLYING | {f"camera.{name}" for name in DEFAULT_CAMERAS}
 """The capabilities of a vehicle with the default settings."""
 
-__all__ = ["CAPABILITIES", "CameraSpec", "SimSession", "open_session"]
+__all__ = ["CAPABILITIES", "FLIGHT_MODEL", "CameraSpec", "SimSession", "open_session"]
 
 
 def open_session(options: Options) -> Session:

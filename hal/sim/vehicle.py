@@ -13,6 +13,7 @@ from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.control import Controller
+from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import BodyState, Physics, in_body
@@ -43,8 +44,6 @@ CAPABILITIES = frozenset(
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
     | {"battery", "battery.swap"}
 )
-_RETURN_HEIGHT = 5.0
-"""Least height above home of a return, metres."""
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
 _ARRIVED = 0.05
@@ -269,7 +268,7 @@ class SimVehicle(BaseVehicle):
             return DONE
         if self._mode in ("landed", "stopped"):
             return refused("the motors are stopped")
-        height = max(self._position().z, self._home.z + _RETURN_HEIGHT)
+        height = max(self._position().z, self._home.z + RETURN_HEIGHT)
         self._climb_height = min(height, self._controller.max_altitude)
         self._brake()
         self._controller.turn(0.0)

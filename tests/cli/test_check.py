@@ -143,7 +143,8 @@ def test_json_reports_every_mission(hop: str, write: Write) -> None:
     result = run_cli("check", hop, "bad.yaml", "--json")
     good, bad = json.loads(result.out)
     assert result.code == 2
-    assert good == {"mission": "hop.yaml", "states": 3, "errors": 0, "warnings": 0, "faults": []}
+    counts = {"errors": 0, "warnings": 0, "faults": []}
+    assert good == {"mission": "hop.yaml", "states": 3, "unknown": [], **counts}
     assert bad["faults"][0]["code"] == "no-states"
     assert bad["faults"][0]["where"].startswith("bad.yaml:1:")
 
@@ -310,7 +311,9 @@ def test_without_code_own_behaviours_are_taken_on_trust(write: Write) -> None:
     write("mine.py", CODE)
     write("m.yaml", TRUSTING)
     result = run_cli("check", "m.yaml", "--no-code")
-    assert (result.code, result.out) == (0, "m.yaml: may fly, 4 states, 1 warning\n"), result.err
+    verdict, unknown = result.out.splitlines()
+    assert (result.code, verdict) == (0, "m.yaml: may fly, 4 states, 1 warning"), result.err
+    assert unknown.startswith("  known in flight only: where '")
     assert "[not-proven]" in result.err
     assert not Path("was_run").exists()
     write("m.yaml", TRUSTING.replace("do: spin", "do: spinn"))

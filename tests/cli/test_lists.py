@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -121,20 +122,67 @@ def test_a_world_is_shown_by_its_contents() -> None:
     assert "roads" in run_cli("worlds").out.partition("by number")[2]
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_completion_scripts(shell: str) -> None:
-    assert "_DRONE_CLI_COMPLETE" in run_cli("completion", shell).out
+OWN = """
+from behaviors import Behavior, BehaviorParams, action, param
+
+class Wiggle(Behavior):
+    \"\"\"Shake the vehicle.\"\"\"
+    class Params(BehaviorParams):
+        width: float = param(0.3, unit="m", help="to each side")
+    outcomes = {"done": None, "bored": None}
+    def step(self, flight):
+        return "done"
+
+@action
+def leds(color: str, n: int = 3):
+    \"\"\"Show it.\"\"\"
+"""
 
 
-def test_completion_knows_missions() -> None:
-    from click.shell_completion import ShellComplete
+def test_behaviours_of_ones_own_are_listed_and_explained(write: Callable[[str, str], str]) -> None:
+    write("mine.py", OWN)
+    listed = run_cli("behaviors", "--uses", "mine.py").out.splitlines()
+    assert listed[:2] == ["wiggle  Shake the vehicle.", "leds    Show it."]
+    rows = json.loads(run_cli("behaviors", "--uses", "mine.py", "--json").out)
+    assert [row.keys() for row in rows] == [{"behavior", "help"}, {"function", "help"}]
+    explained = run_cli("behaviors", "wiggle", "--uses", "mine.py").out
+    assert "  width  a length (default: 0.3 m)  to each side" in explained
+    assert "\noutcomes:\n  done\n  bored\n  failed  event: reason\n" in explained
+    facts = json.loads(run_cli("behaviors", "wiggle", "--uses", "mine.py", "--json").out)
+    assert facts["parameters"]["width"]["default"] == 0.3
+    explained = run_cli("behaviors", "leds", "--uses", "mine.py").out
+    assert "  color  a text (required)\n  n      a whole number (default: 3)\n" in explained
+    # Those installed are still there.
+    assert run_cli("behaviors", "goto", "--uses", "mine.py") == run_cli("behaviors", "goto")
 
-    from cli.main import app
 
-    complete = ShellComplete(app, {}, "drone-cli", "_DRONE_CLI_COMPLETE")
-    assert "first_flight" in [item.value for item in complete.get_completions(["run"], "fir")]
-    assert [item.value for item in complete.get_completions([], "ch")] == ["check"]
-    assert [i.value for i in complete.get_completions(["run", "--backend"], "ma")] == ["mavlink"]
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("gone.py", None, "gone.py: error: there is no file 'gone.py' [no-such-file]"),
+        ("none.py", "x = 1\n", "none.py: error: there is no behaviour in 'none.py' [no-behaviour]"),
+        ("torn.py", "x = = 1\n", "torn.py:1:1: error: 'torn.py' cannot be loaded: SyntaxError"),
+        ("mine.txt", OWN, "mine.txt: error: 'mine.txt' is no Python file [not-python]"),
+    ],
+)
+def test_a_file_without_behaviours_is_told(
+    name: str, text: str | None, told: str, write: Callable[[str, str], str]
+) -> None:
+    if text is not None:
+        write(name, text)
+    for arguments in ((), ("wiggle",)):
+        result = run_cli("behaviors", *arguments, "--uses", name)
+        assert (result.code, result.out) == (2, "")
+        assert result.err.startswith(told)
+
+
+def test_an_unknown_behaviour_of_ones_own_gets_the_nearest(
+    write: Callable[[str, str], str],
+) -> None:
+    write("mine.py", OWN)
+    result = run_cli("behaviors", "wigle", "--uses", "mine.py")
+    assert (result.code, result.out) == (2, "")
+    assert "did you mean 'wiggle'?" in result.err
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from cli.main import COMMANDS
 from cli.output import Output
 from runner import read_run
 from runner.recorder import Recorder
-from tests.cli.run_cli import run_cli
+from tests.cli.run_cli import Result, run_cli
 from vencejo.errors import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -39,6 +39,7 @@ EVERY_COMMAND = {
     "worlds": 0,
     "worlds yard": 0,
     "schema": 0,
+    "guide": 0,
     "new mine": 0,
     "picture flown": 0,
     "completion bash": 0,
@@ -340,13 +341,97 @@ def test_a_file_that_cannot_be_written(command: tuple[str, ...], code: int, hop:
     assert "Traceback" not in done.err
 
 
-def test_a_folder_that_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refused(path: Path, *arguments: object, **more: object) -> None:
-        raise PermissionError(13, "Permission denied", str(path))
+WRITERS = {
+    "missions first_flight --copy": "missions/first_flight.yaml",
+    "new mine": "mine",
+    "show hop.yaml --format svg -o it.svg": "it.svg",
+    "worlds yard --render it.png": "it.png",
+    "run hop.yaml": "runs",
+}
+"""Commands that write, and what."""
 
-    monkeypatch.setattr(Path, "mkdir", refused)
-    done = run_cli("new", "mine")
-    assert done.code == 2
-    assert (
-        done.err == "mine: error: this cannot be read or written: Permission denied [no-access]\n"
+
+def assert_one_line(done: Result, code: int, command: str, reason: str) -> None:
+    assert (done.code, done.out) == (code, "")
+    first, _, hint = done.err.rstrip("\n").partition("\n")
+    assert first.startswith(WRITERS[command]) and f": {reason} [" in first
+    assert hint == "" or (hint.startswith("  hint: ") and "\n" not in hint)
+
+
+@pytest.mark.parametrize("command", WRITERS)
+def test_a_folder_that_cannot_be_written(
+    command: str, hop: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: Path, *arguments: object, **more: object) -> None:
+        raise OSError(30, "Read-only file system", str(path))
+
+    for name in ("mkdir", "write_bytes", "write_text"):
+        monkeypatch.setattr(Path, name, refused)
+    done = run_cli(*command.split())
+    assert_one_line(done, 2, command, "Read-only file system")
+    assert [path.name for path in tmp_path.iterdir()] == [hop]
+
+
+@pytest.mark.parametrize("command", WRITERS)
+def test_a_disk_without_room_keeps_nothing_half_written(
+    command: str, hop: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: object, **more: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    for name in ("write_bytes", "write_text"):
+        monkeypatch.setattr(Path, name, full)
+    monkeypatch.setattr("shutil.copyfile", full)
+    done = run_cli(*command.split())
+    # A flight that cannot be recorded does not begin, and 4 says that it was flown.
+    assert_one_line(done, 2 if command == "run hop.yaml" else 4, command, "No space left on device")
+    left = [str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")]
+    assert sorted(left) == ([hop, "runs"] if command == "run hop.yaml" else [hop])
+
+
+def test_a_picture_over_an_old_one_is_whole_or_not_there(hop: str) -> None:
+    Path("it.svg").write_text("old")
+    assert run_cli("show", hop, "--format", "svg", "-o", "it.svg").code == 0
+    assert Path("it.svg").read_text().startswith("<")
+    assert [path.name for path in Path().iterdir() if "part" in path.name] == []
+
+
+GONE = "the folder you are in has been deleted"
+NEEDS_FOLDER = {
+    "missions first_flight --copy": 2,
+    "new mine": 2,
+    "show first_flight -o it.svg": 2,
+    "worlds yard --render it.png": 2,
+    "run first_flight": 2,
+    "behaviors --uses mine.py": 2,
+    "run first_flight --runs-dir {}/runs": 0,
+    "show first_flight -o {}/it.svg": 0,
+    "check first_flight": 0,
+    "missions": 0,
+    "worlds yard": 0,
+    "--help": 0,
+}
+"""Commands with their exit code where the working directory is gone; what needs it says so."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", NEEDS_FOLDER)
+def test_a_working_directory_that_is_gone(command: str, tmp_path: Path) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    line = f'cd {folder} && rmdir {folder} && PYTHONPATH={ROOT} exec "$@"'
+    words = command.format(tmp_path).split()
+    done = subprocess.run(
+        ["bash", "-c", line, "bash", sys.executable, "-m", "tests.cli.drone_cli", *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
     )
+    assert done.returncode == NEEDS_FOLDER[command]
+    if done.returncode:
+        assert done.stdout == ""
+        first, _, hint = done.stderr.rstrip("\n").partition("\n")
+        assert GONE in first and "\n" not in hint
+    else:
+        assert done.stderr == ""

@@ -66,7 +66,7 @@ def test_a_file_is_written_and_an_impossible_one_is_named(hop: str) -> None:
     assert Path("hop.txt").read_text() == TEXT
     wrong = run_cli("show", hop, "-o", "nowhere/hop.txt")
     assert wrong.code == 2
-    assert "nowhere/hop.txt: error: cannot write 'nowhere/hop.txt'" in wrong.err
+    assert "nowhere/hop.txt: error: this file cannot be written: No such" in wrong.err
 
 
 def test_an_unknown_format_gets_the_nearest(hop: str) -> None:

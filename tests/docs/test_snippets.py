@@ -57,13 +57,23 @@ def test_every_link_leads_somewhere() -> None:
                 assert (document.parent / target).exists(), f"{document.name}: {target}"
 
 
+def test_commands_are_those_of_the_active_environment() -> None:
+    """After `make run` and activation every page works as pasted."""
+    for document in [*DOCUMENTS, ROOT / "CONTRIBUTING.md"]:
+        text = document.read_text("utf-8").replace("source .venv/bin/activate", "")
+        assert ".venv/bin/" not in text, document.name
+    steps = [
+        line.partition("#")[0].strip() for line in blocks(ROOT / "README.md")[0][1].split("\n")
+    ]
+    assert steps[:2] == ["make run", "source .venv/bin/activate"]
+    assert '@echo "  source $(BIN)/activate ' in (ROOT / "Makefile").read_text("utf-8")
+
+
 def test_what_make_run_prints_to_try_next_works(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    shown = re.findall(
-        r"@echo \"  \$\(BIN\)/drone-cli (.*)\"", (ROOT / "Makefile").read_text("utf-8")
-    )
+    shown = re.findall(r"@echo \"  drone-cli (.*)\"", (ROOT / "Makefile").read_text("utf-8"))
     assert len(shown) == 3
     for line in shown:
         command = [word for word in shlex.split(line) if word not in ("--speed", "4")]

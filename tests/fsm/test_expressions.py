@@ -468,6 +468,21 @@ def test_defines_that_double_each_time_are_refused() -> None:
     assert time.process_time() - began < 1.0
 
 
+def test_the_expressions_of_a_mission_are_limited_together() -> None:
+    made, found = chained("{} + {}", 10), 0
+    with pytest.raises(UserError) as raised:
+        for _ in range(100):
+            compile_expression("d9", WHERE, made.with_event(ANY))
+            found += 1
+    assert (raised.value.code, raised.value.faults[0].where) == (
+        "mission-too-large",
+        Where("m.yaml"),
+    )
+    assert found == 9
+    with pytest.raises(UserError, match="mission-too-large"):
+        compile_expression("1", WHERE, made)
+
+
 def test_a_deep_chain_of_defines_is_refused_not_a_crash() -> None:
     made = chained("{} + 1", 900)
     with pytest.raises(UserError) as raised:

@@ -280,6 +280,17 @@ states:
     ]  # fmt: skip
 
 
+def test_a_guard_that_cannot_be_read_has_no_consequences() -> None:
+    found = faults_of(
+        """
+states:
+  a: {always: [{if: 1 > 2, target: b}, {target: b}]}
+  b: {after: {1 s: {gard: 1 > 2, target: a}, 5 s: a}}
+"""
+    )
+    assert [shown(fault) for fault in found] == ["3:17 unknown-key", "4:21 unknown-key"]
+
+
 def test_mistakes_of_form_are_reported_at_once() -> None:
     with pytest.raises(UserError) as raised:
         read_mission_text(

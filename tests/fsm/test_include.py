@@ -285,6 +285,18 @@ def test_what_doubles_with_each_include_is_refused() -> None:
     assert [fault.code for fault in faults_of(text)] == ["too-many-states"]
 
 
+def test_many_includes_of_much_are_refused() -> None:
+    actions = ", ".join("{log: x}" for _ in range(250))
+    text = f"graphs:\n  part: {{states: {{a: {{entry: [{actions}]}}}}}}\nstates:\n" + "".join(
+        f"  s{n}: {{include: part, after: {{1 s: s{n + 1}}}}}\n" for n in range(120)
+    )
+    (fault,) = faults_of(text)
+    assert (fault.code, fault.message) == (
+        "too-many-nodes",
+        "with all includes there are more than 80,000 values",
+    )
+
+
 def test_files_lie_beside_the_file_that_names_them(tmp_path: Path) -> None:
     run = flown(
         tmp_path,

@@ -70,6 +70,7 @@ BEHAVIORS = {
             parameters=_parameters(Parameter("height", Number(LENGTH), required=True)),
             outcomes={"done": {}},
             controls=("motion",),
+            requires=("takeoff",),
         ),
         BehaviorInfo(
             "fly",

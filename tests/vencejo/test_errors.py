@@ -41,6 +41,8 @@ def test_one_error_carries_several_faults() -> None:
             None,
             "known: " + ", ".join(f"n{i:02}" for i in range(12)) + ", …",
         ),
+        ("blide", [f"a{i}" for i in range(999)] + ["glide", "slid"], None, "did you mean 'glide'?"),
+        ("glied", [f"g{i}" for i in range(99)] + ["glide", "slid"], None, "did you mean 'glide'?"),
     ],
 )
 def test_nearest(word: str, known: list[str], otherwise: str | None, hint: str | None) -> None:
@@ -56,3 +58,8 @@ def test_generators_depend_on_seed_and_names_alone() -> None:
     different = [draws(0, "a"), draws(1, "a"), draws(0, "b"), draws(0, "a", "b"), draws(0, "ab")]
     assert len({tuple(found) for found in different}) == 5
     assert draws(7, "wind")[0] == generator(7, "wind").random()
+
+
+def test_a_wrong_first_letter_is_found_among_many_words() -> None:
+    words = [f"{letter}{number}_word" for letter in "abcdefgh" for number in range(12)]
+    assert nearest("xake_off", [*words, "take_off"]) == "did you mean 'take_off'?"

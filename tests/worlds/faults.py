@@ -28,6 +28,10 @@ SHAPE_FAULTS = [
     (W + "light: {ambient: 2}\n", ["2:18 out-of-range"]),
     # Quantities.
     (W + "battery: full\n", ["2:10 wrong-type"]),
+    (W + "fence: {}\n", ["2:8 missing-key"]),
+    (W + "fence: {through: [[0, 0], [9, 0]]}\n", ["2:18 wrong-type"]),
+    (W + "fence: {through: [[0, 0], [9, 0], [9, 9, 1]]}\n", ["2:35 wrong-type"]),
+    (W + "fence: {through: [[0, 0], [9, 0], [9, 9]], ceiling: 3 s}\n", ["2:53 wrong-dimension"]),
     (W + "battery: 20 m\n", ["2:10 wrong-dimension"]),
     (W + "battery: -0.1\n", ["2:10 out-of-range"]),
     (W + "battery: [1]\n", ["2:10 wrong-type"]),

@@ -91,15 +91,13 @@ def read_cameras(given: object) -> dict[str, CameraSpec]:
         if not isinstance(name, str) or not name.isidentifier():
             raise _bad(f"'{name}' is no name of a camera", "letters, digits and _")
         if value is None:
-            found.pop(name, None)
+            if name not in found:
+                raise _bad(f"there is no camera '{name}' to switch off", nearest(name, found))
+            del found[name]
         elif isinstance(value, CameraSpec):
             found[name] = _checked(name, value)
         elif isinstance(value, Mapping):
-            for key in value:
-                if key not in _SETTINGS:
-                    raise _bad(f"the camera '{name}' has no '{key}'", nearest(str(key), _SETTINGS))
-            changes = {_SETTINGS[key]: setting for key, setting in value.items()}
-            found[name] = _checked(name, replace(found.get(name, FRONT), **changes))
+            found[name] = _checked(name, _changed(name, found.get(name, FRONT), value))
         else:
             raise _bad(f"the camera '{name}' is {value!r}; it must be a map of settings")
     return found
@@ -109,6 +107,13 @@ def plain_camera(spec: CameraSpec) -> dict[str, object]:
     """All settings of a camera as plain values, which :func:`read_cameras` takes."""
     values = {setting: getattr(spec, field) for setting, field in _SETTINGS.items()}
     return values | {"at": list(spec.at), "distortion": list(spec.distortion)}
+
+
+def _changed(name: str, spec: CameraSpec, settings: Mapping[Any, Any]) -> CameraSpec:
+    for key in settings:
+        if key not in _SETTINGS:
+            raise _bad(f"the camera '{name}' has no '{key}'", nearest(str(key), _SETTINGS))
+    return replace(spec, **{_SETTINGS[key]: setting for key, setting in settings.items()})
 
 
 def _checked(name: str, spec: CameraSpec) -> CameraSpec:

@@ -1,0 +1,106 @@
+"""Plans: where a behaviour will fly, said before the flight.
+
+:meth:`behaviors.behavior.Behavior.plan` gives the legs from where it begins. The checks before a
+flight use them, and whatever else wants to know: how near they pass to things, how much of the
+battery they take.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from behaviors.guidance import yaw_towards
+from behaviors.params import Face, Heading
+from fsm.values.functions import EvaluationError
+from vencejo.geometry import Point
+
+
+class NotKnown(EvaluationError):
+    """A value was asked for that is only known in flight."""
+
+    def __init__(self, *_: object) -> None:
+        super().__init__("this is known in flight only")
+
+
+class Unknown:
+    """Stands for a value that is only known in flight: whatever is made of it raises NotKnown."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return "unknown"
+
+    def __reduce__(self) -> str:
+        return "UNKNOWN"  # there is one only, copies included
+
+    def _refuse(self, *_: object) -> Any:
+        raise NotKnown
+
+    __bool__ = __float__ = __int__ = __index__ = __len__ = __iter__ = __getitem__ = _refuse
+    __contains__ = __call__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _refuse
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _refuse
+    __rtruediv__ = __floordiv__ = __mod__ = __pow__ = __neg__ = __pos__ = __abs__ = _refuse
+    __hash__ = object.__hash__
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)  # what Python itself looks for, to copy it for instance
+        raise NotKnown
+
+
+UNKNOWN: Final[Any] = Unknown()
+"""The value of a parameter, or of a fact about the start, that is only known in flight."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanStart:
+    """Where a behaviour begins. Mission frame, metres, radians; any may be :data:`UNKNOWN`."""
+
+    position: Point
+    yaw: float
+    """Counter-clockwise from east."""
+    flying: bool
+    """Whether it is in the air."""
+    ground: float
+    """The height of what lies straight below: the ground, or the top of a thing."""
+    return_height: float
+    """The height above home at which the vehicle returns by its own means, at least."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedLeg:
+    """A flight in a straight line."""
+
+    to: Point
+    """Its end, mission frame, metres."""
+    speed: float | None = None
+    """Along it, m/s; None where the vehicle chooses."""
+    dwell: float = 0.0
+    """Stay at its end, seconds."""
+    yaw: float | None = None
+    """The heading at its end, radians counter-clockwise from east; None where it is not known."""
+
+
+Legs = Sequence[PlannedLeg]
+"""The legs of a plan, in order. None: it stays where it begins."""
+
+
+def leg_to(
+    start: PlanStart, here: Point, to: Point, speed: float, heading: Heading, dwell: float = 0.0
+) -> PlannedLeg:
+    """A leg as goto flies it, from ``here``; its speed and heading may be UNKNOWN."""
+    known_speed = None if isinstance(speed, Unknown) else speed
+    known_dwell = 0.0 if isinstance(dwell, Unknown) else dwell
+    return PlannedLeg(to, known_speed, known_dwell, _yaw_after(start, here, to, heading))
+
+
+def _yaw_after(start: PlanStart, here: Point, to: Point, heading: Heading) -> float | None:
+    """The heading at the end of a leg; None where it is not known."""
+    try:
+        at = to if isinstance(heading, Face) else here
+        yaw = yaw_towards(heading, at, to, start.yaw, start.yaw)
+    except NotKnown:
+        return None
+    return None if isinstance(yaw, Unknown) else yaw

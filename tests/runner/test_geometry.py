@@ -1,0 +1,367 @@
+"""Where missions may fly, held against their worlds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import pytest
+
+from behaviors import drone_vocabulary, load_all
+from fsm import compile_mission, read_mission_text
+from hal import Limits, flight_model
+from runner import missions, prepare
+from runner.geometry import Findings, Terms, check_geometry
+from vencejo.errors import Where
+from vencejo.nodes import Scalar
+from worlds import World, find_world
+from worlds.loader import read_world
+
+SIM = Terms(flight_model("sim"))
+FLIGHT = """
+mission: flight
+{top}
+states:
+  takeoff: {{do: takeoff, with: {{altitude: 2 m}}, on: {{done: go}}}}
+  {go}
+  home: {{do: goto, with: {{to: home}}, on: {{done: land, blocked: land}}}}
+  land: {{do: land, on: {{done: finish}}}}
+  finish: {{type: final}}
+"""
+GO = "go: {{do: goto, with: {{to: {to}}}, on: {{done: home, blocked: land}}}}"
+
+
+def checked(
+    text: str, world: World | str = "empty", terms: Terms = SIM, own: Any = None, **parameters: Any
+) -> Findings:
+    place = find_world(world) if isinstance(world, str) else world
+    graph = compile_mission(read_mission_text(text, "m.yaml"), drone_vocabulary(own, place.places))
+    return check_geometry(graph, place, terms, parameters)
+
+
+def flight(go: str, top: str = "") -> str:
+    return FLIGHT.format(go=go, top=top)
+
+
+def to(point: str) -> str:
+    return flight(GO.format(to=point))
+
+
+def told(findings: Findings) -> list[tuple[str, str]]:
+    return [(fault.code, str(fault.where)) for fault in findings.faults]
+
+
+def codes(findings: Findings) -> list[str]:
+    return [fault.code for fault in findings.faults]
+
+
+def only(findings: Findings) -> str:
+    (fault,) = findings.faults
+    assert fault.severity == "warning" and fault.hint
+    return fault.message
+
+
+def test_a_point_below_the_ground_is_told_with_its_place_and_the_way() -> None:
+    findings = checked(to("[5, 0, -3]"))
+    assert told(findings) == [("below-ground", "m.yaml:6:29")]
+    assert "ends 3 m below the ground: takeoff → go" in only(findings)
+
+
+def test_a_start_above_the_ground_counts_from_there() -> None:
+    world = read_world("world: w\nstart: {at: [3, -4, 0.8]}\n", "w.yaml")
+    assert codes(checked(to("[9, 0, -0.5]"), world)) == []
+    assert "ends 0.2 m below" in only(checked(to("[9, 0, -1]"), world))
+
+
+def test_a_leg_through_a_hill_is_told_where() -> None:
+    world = read_world(
+        "world: w\nstart: {at: [-25, 0]}\nground: {terrain: {size: 40 m, heights: "
+        "[[0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 6, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0]]}}",
+        "w.yaml",
+    )
+    findings = checked(to("[50, 0, 2]"), world)
+    assert set(codes(findings)) == {"below-ground"}
+    assert "leads through the ground near [25, 0, 2]" in findings.faults[0].message
+    assert codes(checked(to("[25, 0, 7]"), world)) == []
+
+
+def test_a_leg_through_the_wall_of_the_yard_is_told_with_its_name() -> None:
+    findings = checked(to("[0, 20, 1]"), "yard")
+    assert told(findings)[0] == ("hits-thing", "m.yaml:6:29")
+    message = findings.faults[0].message
+    assert "leads through the box 'wall' near [0, 11.85, 1.41]: takeoff → go" in message
+    assert codes(checked(to("[0, 20, 5]"), "yard")) == []
+
+
+def test_what_leads_out_of_a_thing_is_not_told_again() -> None:
+    text = flight(
+        "go: {do: goto, with: {to: [6, 2, 1]}, on: {done: on, blocked: land}}\n"
+        "  on: {do: goto, with: {to: [12, 2, 1]}, on: {done: land, blocked: land}}"
+    )
+    assert told(checked(text, "yard")) == [("hits-thing", "m.yaml:6:29")]
+
+
+def test_an_end_inside_a_thing_is_into_it() -> None:
+    assert "into the box 'wall'" in checked(to("[0, 12, 1]"), "yard").faults[0].message
+
+
+@pytest.mark.parametrize(("height", "distance"), [(2.3, "0.30"), (2.45, "0.45"), (2.55, None)])
+def test_a_leg_that_passes_nearer_than_the_clearance_is_told_with_the_distance(
+    height: float, distance: str | None
+) -> None:
+    text = to(f"[0, 20, {height}]").replace("altitude: 2 m", f"altitude: {height} m")
+    findings = checked(text, "yard")
+    if distance is None:
+        assert codes(findings) == []
+        return
+    assert set(codes(findings)) == {"near-thing"}
+    assert f"passes {distance} m from the box 'wall'" in findings.faults[0].message
+    assert codes(checked(text, "yard", replace(SIM, clearance=0.1))) == []
+
+
+def test_of_many_things_in_the_way_of_one_state_five_are_told() -> None:
+    boxes = "\n".join(f"  b{k}: {{at: [{3 * k}, 0], size: [1, 1, 4]}}" for k in range(1, 9))
+    findings = checked(to("[30, 0, 2]"), read_world(f"world: w\nboxes:\n{boxes}\n", "w.yaml"))
+    there = [fault for fault in findings.faults if str(fault.where) == "m.yaml:6:29"]
+    assert [fault.code for fault in there] == ["hits-thing"] * 5
+    assert there[-1].hint == "fly over it or around it; 3 more things are as near"
+
+
+def test_a_landing_on_a_thing_and_a_take_off_from_it_are_meant() -> None:
+    assert codes(checked(to("[3, -4, 2]").replace("done: home", "done: land"), "yard")) == []
+    world = read_world(
+        "world: w\nstart: {at: [3, -4, 0.8]}\nboxes: {table: {at: [3, -4], size: [2, 2, 0.8]}}\n",
+        "w.yaml",
+    )
+    assert codes(checked(to("[9, 0, 2]"), world)) == []
+
+
+def test_a_landing_beside_a_thing_is_told() -> None:
+    world = read_world("world: w\nboxes: {box: {at: [5.8, 0], size: [1, 1, 1]}}\n", "w.yaml")
+    findings = checked(to("[5, 0, 3]").replace("done: home", "done: land"), world)
+    assert [(f.code, str(f.where)) for f in findings.faults] == [("near-thing", "m.yaml:8:3")]
+    assert "0.30 m from the box 'box'" in only(findings)
+
+
+ROUTE = (
+    "go: {do: route, with: {points: [[0, 6, 2], [9, 6, 2], [9, -6, 2]]}, "
+    "on: {done: land, blocked: land%s}}"
+)
+
+
+def test_the_way_home_is_looked_at_from_wherever_it_can_begin() -> None:
+    # The route goes round the shed, the way home from half of it leads through.
+    assert codes(checked(flight(ROUTE % ""), "yard")) == []
+    findings = checked(flight(ROUTE % ", battery.low: home"), "yard")
+    assert [(f.code, str(f.where)) for f in findings.faults] == [("hits-thing", "m.yaml:7:31")]
+    assert "the box 'shed'" in only(findings) and only(findings).endswith("takeoff → go → home")
+
+
+def test_return_home_flies_as_high_as_the_vehicle_returns() -> None:
+    text = flight(ROUTE % ", battery.low: home").replace(
+        "do: goto, with: {to: home}", "do: return_home"
+    )
+    text = text.replace("on: {done: land, blocked: land}}\n  land", "on: {done: finish}}\n  land")
+    assert codes(checked(text, "yard")) == []
+    unknown = checked(text, "yard", Terms()).unknown
+    assert unknown == ("home",), "without a model of the vehicle its height is not known"
+
+
+def test_a_loop_over_data_is_flown_point_by_point() -> None:
+    text = """
+mission: rounds
+world: yard
+parameters: {stops: {type: [point], default: [[0, 6, 2], [9, 6, 2], [9, -6, 2], [0, 0, 2]]}}
+data: {n: 0}
+states:
+  takeoff: {do: takeoff, with: {altitude: 2 m}, on: {done: choose}}
+  choose: {always: [{guard: n < len(stops), target: leg}, land]}
+  leg:
+    do: goto
+    with: {to: "${stops[n]}"}
+    on: {done: {target: choose, actions: {set: {n: "${n + 1}"}}}, blocked: land}
+  land: {do: land, on: {done: finish}}
+  finish: {type: final}
+"""
+    assert codes(checked(text, "yard")) == []
+    crossing = text.replace("[9, -6, 2], [0, 0, 2]", "[0, 0, 2]")
+    findings = checked(crossing, "yard")
+    assert "from [9, 6, 2] to [0, 0, 2] leads through the box 'shed'" in only(findings)
+    assert findings.unknown == () and findings.complete
+
+
+def test_parameters_of_a_run_count() -> None:
+    text = flight(GO.format(to="$where"), "parameters: {where: {type: point, default: [0, 9, 2]}}")
+    assert codes(checked(text, "yard")) == []
+    assert codes(checked(text, "yard", where={"x": 0.0, "y": 14.0}))[0] == "hits-thing"
+    assert codes(checked(text, "yard", where="table_top"))[0] in ("hits-thing", "near-thing")
+
+
+def test_what_a_timer_interrupts_is_flown_no_farther() -> None:
+    late = (
+        "go: {do: goto, with: {to: [0, 20, 1], speed: 1 m/s}, "
+        "on: {done: home, blocked: land}, after: {%s: home}}"
+    )
+    assert codes(checked(flight(late % "5 s"), "yard")) == []
+    assert "hits-thing" in codes(checked(flight(late % "15 s"), "yard"))
+
+
+def test_limits_above_home() -> None:
+    terms = replace(SIM, limits=Limits(max_altitude=3.0, min_altitude=1.0))
+    assert codes(checked(to("[5, 0, 3]"), terms=terms)) == []
+    assert "above the limit of 3 m" in only(checked(to("[5, 0, 3.5]"), terms=terms))
+    assert "below the limit of 1 m" in checked(to("[5, 0, 0.5]"), terms=terms).faults[0].message
+
+
+FENCED = "world: w\nfence: {through: [[-5, -5], [9, -5], [9, 5], [-5, 5]], floor: 1, ceiling: 4}\n"
+
+
+@pytest.mark.parametrize(
+    ("point", "expected"),
+    [
+        ("[8, 0, 2]", None),
+        ("[10, 0, 2]", "out of the fence"),
+        ("[8, 0, 5]", "above the ceiling of the fence, 4 m"),
+        ("[8, 0, 0.5]", "below the floor of the fence, 1 m"),
+    ],
+)
+def test_the_fence_of_the_world(point: str, expected: str | None) -> None:
+    findings = checked(to(point), read_world(FENCED, "w.yaml"))
+    assert set(codes(findings)) == ({"outside-fence"} if expected else set())
+    assert expected is None or expected in findings.faults[0].message
+
+
+def test_a_leg_farther_than_the_battery_lasts_is_told_with_the_point_of_no_return() -> None:
+    findings = checked(to("[2000, 20, 400]"))
+    (fault,) = findings.faults
+    assert (fault.code, str(fault.where)) == ("beyond-battery", "m.yaml:6:29")
+    assert "critical after 1218 m of 2039 m" in fault.message
+    assert fault.hint is not None and fault.hint.startswith("the point of no return is [7")
+
+
+def test_a_leg_from_which_nothing_brings_it_home_is_told() -> None:
+    assert codes(checked(to("[500, 0, 2]"))) == []
+    there = checked(to("[1000, 0, 2]").replace("done: home", "done: land"))
+    assert codes(there) == ["no-return"]
+    assert codes(checked(to("[1000, 0, 2]"), terms=Terms())) == [], (
+        "without a model nothing is known"
+    )
+
+
+def test_what_was_used_before_counts_and_so_does_the_world_s_battery() -> None:
+    hover = flight(
+        "go: {do: hover, after: {8 min: far}}\n"
+        "  far: {do: goto, with: {to: [300, 0, 2]}, on: {done: land, blocked: land}}"
+    )
+    assert codes(checked(hover)) == ["beyond-battery"]
+    assert codes(checked(hover.replace("8 min", "1 min"))) == []
+    assert codes(checked(to("[150, 0, 2]"), read_world("world: w\nbattery: 25 %\n", "w"))) == [
+        "beyond-battery"
+    ]
+
+
+def test_what_depends_on_the_flight_is_unknown_until_the_next_known_place() -> None:
+    text = flight(
+        "go: {do: move, with: {forward: 1 m/s}, after: {5 s: back}}\n"
+        "  back: {do: goto, with: {to: [0, 20, 1]}, on: {done: again, blocked: land}}\n"
+        "  again: {do: goto, with: {to: [0, 0, 1]}, on: {done: land, blocked: land}}"
+    )
+    findings = checked(text, "yard")
+    assert findings.unknown == ("go",)
+    assert "from [0, 20, 1] to [0, 0, 1] leads through the box 'wall'" in str(findings.faults)
+
+
+def test_a_point_that_is_seen_is_unknown_and_nothing_is_told_of_it() -> None:
+    text = to("$vehicle.position")
+    findings = checked(text, "yard")
+    assert codes(findings) == [] and "go" in findings.unknown
+
+
+def test_things_that_move_and_may_come_near_are_named() -> None:
+    path = "{through: [[5, -9, 2], [5, 9, 2]], speed: 1}"
+    ball = f"world: w\nspheres: {{ball: {{radius: 0.5, moves: {path}}}}}\n"
+    findings = checked(to("[9, 0, 2]"), read_world(ball, "w.yaml"))
+    assert codes(findings) == [] and findings.moving == ("ball",)
+    assert checked(to("[-9, 0, 2]"), read_world(ball, "w.yaml")).moving == ()
+
+
+CODE = '''
+from behaviors import Behavior, PlannedLeg, Point
+
+class Ahead(Behavior):
+    """Flies ten metres ahead."""
+    @classmethod
+    def plan(cls, params, start):
+        %s
+
+    def step(self, flight):
+        return "done"
+'''
+
+
+def own(tmp_path: Path, body: str) -> Any:
+    (tmp_path / "ahead.py").write_text(CODE % body)
+    return load_all([(Scalar("ahead.py", Where("m.yaml", 1, 1)), tmp_path)])
+
+
+OWN = flight("go: {do: ahead, on: {done: home}}")
+
+
+def test_a_behaviour_of_one_s_own_is_followed_by_its_plan(tmp_path: Path) -> None:
+    world = read_world("world: w\nboxes: {box: {at: [5, 0], size: [1, 1, 4]}}\n", "w.yaml")
+    body = "return [PlannedLeg(start.position.plus((10.0, 0.0, 0.0)), speed=1.0)]"
+    findings = checked(OWN, world, own=own(tmp_path, body))
+    assert told(findings)[0] == ("hits-thing", "m.yaml:6:3")
+    assert "'box'" in findings.faults[0].message
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("return 1 / 0", "the plan of 'ahead' failed: ZeroDivisionError"),
+        ("return [(1, 2, 3)]", "not a list of PlannedLeg"),
+        ("return [PlannedLeg(Point(1.0, 2.0, float('nan')))]", "has a leg that is none"),
+        ("return 3", "not a list of PlannedLeg"),
+        ("return [PlannedLeg(Point(1.0, 2.0, 3.0), speed='fast')]", "has a leg that is none"),
+    ],
+)
+def test_a_plan_that_is_wrong_is_told_and_what_it_flies_unknown(
+    tmp_path: Path, body: str, message: str
+) -> None:
+    findings = checked(OWN, own=own(tmp_path, body))
+    assert codes(findings) == ["broken-plan"] and message in only(findings)
+    assert findings.unknown[0] == "go"
+
+
+@pytest.mark.parametrize("name", missions.names())
+def test_nothing_is_told_of_the_shipped_missions(name: str) -> None:
+    prepared = prepare(missions.find(name))
+    findings = check_geometry(prepared.graph, prepared.world, SIM)
+    assert findings == Findings((), (), (), True)
+
+
+REGION = (
+    "      r{k}: {{initial: a, states: {{a: {{on: {{operator.land: b}}}}, "
+    "b: {{after: {{{k} s: a}}}}}}}}"
+)
+GOTO = (
+    "          g{k}: {{do: goto, with: {{to: [{k}, {y}, 3]}}, "
+    "on: {{done: g{a}, blocked: g{b}, battery.low: g{c}}}}}"
+)
+
+
+def test_the_time_is_bounded_however_many_ways_there_are() -> None:
+    regions = [REGION.format(k=k) for k in range(1, 10)]
+    gotos = [
+        GOTO.format(k=k, y=k * k % 17, a=(k + 1) % 60, b=(k * 7 + 3) % 60, c=(k * 5 + 1) % 60)
+        for k in range(60)
+    ]
+    begin = "mission: many\nstates:\n  takeoff: {do: takeoff, on: {done: all}}"
+    middle = ["  all:\n    type: parallel\n    states:", *regions, "      fly:\n        states:"]
+    text = "\n".join([begin, *middle, *gotos, ""])
+    began = process_time()
+    findings = checked(text, find_world("forest:3"))
+    assert process_time() - began < 4.0  # about one second on an idle machine
+    assert not findings.complete
