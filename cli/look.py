@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi, radians, tan
+from itertools import product as product_of
+from math import hypot, pi, radians
 from pathlib import Path
 
 from cli.output import write_file
@@ -32,6 +33,8 @@ VIEWS = ("front", "down", "top")
 WIDTH, HEIGHT = 640, 480
 _FIELD = pi / 3
 LENS = Intrinsics.from_field_of_view(WIDTH, HEIGHT, _FIELD)
+_MARGIN = 0.05
+"""Share of a picture from above that is left free along its edges."""
 _SMALLEST = 6.0
 """Least radius of the part of a world that a picture from outside shows, metres."""
 
@@ -106,8 +109,7 @@ def view(world: World, camera: str, at: tuple[float, float, float, float] | None
     if camera == "top" or (camera == "front" and at is None):
         middle, reach = _extent(world)
         if camera == "top":
-            height = reach / tan(_FIELD / 2) * WIDTH / HEIGHT
-            return Point(middle.x, middle.y, height), _aimed(pi / 2, pi / 2)
+            return middle._replace(z=_height_over(world, middle)), _aimed(pi / 2, pi / 2)
         # From the south-west and above, with all of it in the picture.
         heading, tilt = radians(45), radians(27)
         back = turned((-2.5 * reach, 0.0, 0.0), product(yaw_quaternion(heading), about_y(tilt)))
@@ -121,23 +123,52 @@ def _aimed(heading: float, tilt: float) -> Quaternion:
     return product(product(yaw_quaternion(heading), about_y(tilt)), OPTICAL)
 
 
+def _height_over(world: World, middle: Point) -> float:
+    """The height over the middle of a world from which all of it is in the picture."""
+    across, along = (side / 2 * (1 - _MARGIN) for side in (WIDTH / LENS.fx, HEIGHT / LENS.fy))
+    return max(
+        _SMALLEST / along,
+        *(
+            z + max(abs(x - middle.x) / across, abs(y - middle.y) / along)
+            for x, y, z in _outermost(world)
+        ),
+    )
+
+
 def _extent(world: World) -> tuple[Point, float]:
     """The middle of what is in a world, on the ground, and how far it reaches from there."""
-    places = [*world.places.values(), *(start.at for start in world.starts)]
-    for thing in world.things:
-        places += thing.motion.points if thing.motion else _corners(thing)
-    spots = [place[:2] for place in places]
-    spots += [spot for stripe in world.ground.stripes for spot in stripe.points]
-    east, north = [spot[0] for spot in spots], [spot[1] for spot in spots]
+    places = _outermost(world)
+    east, north = [place.x for place in places], [place.y for place in places]
     middle = Point((min(east) + max(east)) / 2, (min(north) + max(north)) / 2, 0.0)
     reach = max((max(east) - min(east)) / 2, (max(north) - min(north)) / 2)
     return middle, max(reach, _SMALLEST)
 
 
+def _outermost(world: World) -> list[Point]:
+    """Points between which all of a world lies."""
+    found = [*world.places.values(), *(start.at for start in world.starts)]
+    for thing in world.things:
+        found += _corners(thing)
+    for stripe in world.ground.stripes:
+        half = stripe.width / 2
+        for x, y in stripe.points:
+            found += [Point(x - half, y - half, 0.0), Point(x + half, y + half, 0.0)]
+    return found
+
+
 def _corners(thing: Thing) -> list[Point]:
-    """The corners of the boxes about the parts of a thing that stands still."""
-    return [
-        corner
-        for part in thing.parts
-        for corner in bounds_of(part.shape, *part_pose(part, thing.at, thing.attitude))
-    ]
+    """The corners of the box about a thing; of one that moves, of boxes all along its path, about
+    the thing in every heading.
+    """
+    bounds = [bounds_of(p.shape, *part_pose(p, thing.at, thing.attitude)) for p in thing.parts]
+    ends = [end.minus(thing.at) for pair in bounds for end in pair]
+    if not ends:
+        return []
+    low, high = (Point(*map(choose, zip(*ends, strict=True))) for choose in (min, max))
+    places = [thing.at]
+    if thing.motion is not None:
+        reach = hypot(max(-low.x, high.x), max(-low.y, high.y))
+        low, high = low._replace(x=-reach, y=-reach), high._replace(x=reach, y=reach)
+        places = list(thing.motion.points)
+    corners = [Point(*corner) for corner in product_of(*zip(low, high, strict=True))]
+    return [place.plus(corner) for place in places for corner in corners]

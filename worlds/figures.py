@@ -159,7 +159,7 @@ def tree(height: float, color: Color) -> tuple[Part, ...]:
     trunk = Cylinder(max(0.05, height * 0.03), height - crown)
     return (
         _part(trunk, 0, 0, (height - crown) / 2, COLORS["brown"]),
-        _part(Sphere(crown), 0, 0, height - crown, color),
+        _part(Sphere(crown, leafy=True), 0, 0, height - crown, color),
     )
 
 

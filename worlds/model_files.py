@@ -181,7 +181,7 @@ def _part(
     elif form.tag == "cylinder":
         shape = Cylinder(*numbers("radius"), *numbers("length"))
     elif form.tag == "sphere":
-        shape = Sphere(*numbers("radius"))
+        shape = Sphere(numbers("radius")[0])
     elif form.tag == "mesh":
         scale = numbers("scale", 3) if sizes(form, "scale") else [1.0, 1.0, 1.0]
         shape = _mesh(folder, sizes(form, "file") or "", scale)

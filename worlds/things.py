@@ -70,6 +70,8 @@ class Sphere:
     """Centred on its origin."""
 
     radius: float
+    leafy: bool = False
+    """True to be seen with light and dark leaves, as a tree's crown; others are of one tone."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,6 +134,7 @@ class GeometryBuffers:
         count = len(self.surfaces)
         self.sphere_radius = np.array([surface.sphere_radius for surface in self.surfaces])
         """0 for a surface that is no sphere."""
+        self.leafy = np.array([surface.leafy for surface in self.surfaces], bool)
         self._spheres = np.flatnonzero(self.sphere_radius)
         self.convex = np.array([surface.convex for surface in self.surfaces], bool)
         self.centers = np.zeros((count, 3))

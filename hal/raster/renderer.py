@@ -15,7 +15,7 @@ import numpy as np
 
 from hal.raster.buffers import GeometryBuffers
 from hal.raster.camera import NEAR, PinholeCamera
-from hal.raster.depth_buffer import DepthFaces, draw_with_depth_buffer
+from hal.raster.depth_buffer import DepthFaces, Foliage, draw_with_depth_buffer
 from hal.raster.depth_order import depth_order
 from hal.raster.ground import Band, GroundPainter, GroundProjection
 from hal.raster.shadows import Shadows
@@ -30,6 +30,13 @@ from hal.vehicle import Intrinsics
 from vencejo.geometry import Pose
 from worlds.things import Thing
 from worlds.world import World
+
+_TONES = 32
+"""Of the leaves of a crown."""
+_BRIGHTEST = 1.25
+"""Of leaves that face the sun, over that of a level face."""
+_DEEPEST = 0.45
+"""Share of the ambient light that leaves on the side away from the sun lack."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +87,9 @@ class Raster:
         self._sky = (blue, green, red, 255)
         # On hills no shadows are drawn.
         self._shadows = Shadows(self._geometry, self._sun) if shadows and not terrain else None
+        leafy = np.flatnonzero(self._geometry.leafy[self._geometry.surface_of_face])
+        self._tones = {face: self._tones_of(face) for face in leafy.tolist()}
+        """The tones of the crowns of leaves, by face."""
         for face in self._geometry.faces:
             if face.texture is not None:
                 mipmap_of(face.texture)
@@ -201,9 +211,9 @@ class Raster:
         for rank, group in enumerate(groups):
             for surface in group:
                 rank_of_surface[surface] = rank
-        convex = geometry.convex[surfaces].tolist()
-        deep = {rank for rank, group in enumerate(groups) if len(group) > 1 or not convex[group[0]]}
-        """Ranks that need a depth buffer."""
+        simple = (geometry.convex[surfaces] & ~geometry.leafy[surfaces]).tolist()
+        deep = {rank for rank, group in enumerate(groups) if len(group) > 1 or not simple[group[0]]}
+        """Ranks that need a depth buffer; leaves are drawn with it, too."""
         counts = np.diff(first, append=len(owners))
         ranks = np.repeat(np.array(rank_of_surface), counts)[outlines.polygon]
         fill, starts, points = cv2.fillConvexPoly, outlines.start, outlines.points
@@ -268,6 +278,16 @@ class Raster:
         colors = np.rint(geometry.colors[faces][:, ::-1] * brightness[:, None])
         return _Shading(brightness, np.column_stack([colors, np.full(len(colors), 255.0)]))
 
+    def _tones_of(self, face: int) -> Pixels:
+        """The tones of a crown of leaves (see :class:`hal.raster.depth_buffer.Foliage`)."""
+        cosines = np.linspace(-1.0, 1.0, _TONES)
+        lit, shaded = cosines.clip(0.0, None), cosines.clip(None, 0.0)
+        light = self._ambient * (1 + _DEEPEST * shaded) + (1 - self._ambient) * lit
+        brightness = np.minimum(light / self._level_light, _BRIGHTEST)
+        bgr = self._geometry.colors[face][::-1] * brightness[:, None]
+        tones = np.column_stack([np.rint(bgr.clip(0, 255)), np.full(_TONES, 255.0)])
+        return np.asarray(tones, np.uint8)
+
     def _texture(self, camera: PinholeCamera, face: int, brightness: float, box: Box) -> Pixels:
         """The texture of a face as it is seen, on the pixels of a box of the image; BGRA."""
         geometry = self._geometry
@@ -317,6 +337,7 @@ class Raster:
         planes = (normals @ camera.rotation) @ to_rays / distances[:, None]
         textured: dict[int, tuple[Box, Pixels]] = {}
         spheres: dict[int, tuple[Float64s, float]] = {}
+        leaves: dict[int, Pixels] = {}
         for k in np.flatnonzero(mine).tolist():
             face = int(faces[k])
             runs = part.polygon == k
@@ -330,8 +351,11 @@ class Raster:
             if geometry.sphere_radius[surface]:
                 center = camera.to_camera(geometry.centers[surface])
                 spheres[k] = center, float(geometry.sphere_radius[surface])
+                if geometry.leafy[surface]:
+                    leaves[k] = self._tones[face]
         colors = shading.colors.astype(np.uint8)
-        return DepthFaces(part, planes, colors, textured, spheres, to_rays)
+        foliage = Foliage(self._sun, camera.rotation, leaves)
+        return DepthFaces(part, planes, colors, textured, spheres, foliage, to_rays)
 
 
 def _bounding_box(points: Int32s) -> Box:

@@ -33,6 +33,11 @@ _COARSE_SAMPLES = 128
 """Samples along a tile at which all octaves but the finest are computed."""
 _SUPERSAMPLING = 2
 """Stripes are drawn this much finer than a texel along each axis, and then averaged."""
+_FADE = 0.15
+"""Width of the strip about the coloured square in which its colour fades, as a share of its side.
+"""
+_NEAR_SUPERSAMPLING, _NEAR_LEVELS = 4, 3
+"""The same for the finest levels, whose texels are seen one by one."""
 
 
 def texel_size(level: int) -> float:
@@ -75,22 +80,27 @@ class GroundTiles:
     def _paint(self, level: int, column: int, row: int) -> Pixels:
         texel = texel_size(level)
         west, south = column * TILE_TEXELS * texel, row * TILE_TEXELS * texel
+        beyond = self._beyond(texel, west, south)
         tile = uniform_image(TILE_TEXELS, TILE_TEXELS, self.color_beyond)
-        half = self._ground.size / 2
-        left, right, low, high = (
-            min(TILE_TEXELS, max(0, round((edge - begin) / texel)))
-            for edge, begin in ((-half, west), (half, west), (-half, south), (half, south))
-        )
-        if left < right and low < high:
-            inside = np.s_[low:high, left:right]
-            if self._texture is None:
-                tile[inside] = uniform_image(right - left, high - low, self._color)
-            else:
-                tile[inside] = self._repeated(self._texture, texel, west, south)[inside]
-        self._draw_stripes(tile, texel, west, south)
+        if beyond.min() < 1:
+            inside = uniform_image(TILE_TEXELS, TILE_TEXELS, self._color)
+            if self._texture is not None:
+                inside = self._repeated(self._texture, texel, west, south)
+            tile = _blended(inside, tile, beyond) if beyond.any() else inside
+        self._draw_stripes(tile, level, west, south)
         if self._texture is None:
             _add_noise(tile, level, column, row)
         return tile
+
+    def _beyond(self, texel: float, west: float, south: float) -> Float32s:
+        """The share of the colour beyond the coloured square at a tile's texels: 0 in the square,
+        1 from some metres outside on.
+        """
+        middles = (np.arange(TILE_TEXELS) + 0.5) * texel
+        east, north = (np.abs(begin + middles) - self._ground.size / 2 for begin in (west, south))
+        width = _FADE * self._ground.size
+        outside = np.maximum(east[None, :], north[:, None]) / width
+        return np.asarray(outside.clip(0.0, 1.0), np.float32)
 
     def _repeated(self, texture: Mipmap, texel: float, west: float, south: float) -> Pixels:
         """The ground's texture, repeated over a tile with that south-west corner."""
@@ -116,8 +126,9 @@ class GroundTiles:
             np.uint8,
         )
 
-    def _draw_stripes(self, tile: Pixels, texel: float, west: float, south: float) -> None:
-        side, fine = TILE_TEXELS * texel, texel / _SUPERSAMPLING
+    def _draw_stripes(self, tile: Pixels, level: int, west: float, south: float) -> None:
+        finer = _NEAR_SUPERSAMPLING if level < _NEAR_LEVELS else _SUPERSAMPLING
+        side, fine = TILE_TEXELS * texel_size(level), texel_size(level) / finer
         drawn = [
             (color, near)
             for color, pieces in self._stripes
@@ -125,7 +136,7 @@ class GroundTiles:
         ]
         if not drawn:
             return
-        size = TILE_TEXELS * _SUPERSAMPLING
+        size = TILE_TEXELS * finer
         large = cv2.resize(tile, (size, size), interpolation=cv2.INTER_NEAREST)
         for color, pieces in drawn:
             points = (np.concatenate(pieces) - (west, south)) / fine - 0.5
@@ -135,6 +146,11 @@ class GroundTiles:
                 outline = found.points[found.start[number] : found.start[number + 1]]
                 cv2.fillConvexPoly(large, outline, color)
         cv2.resize(large, (TILE_TEXELS, TILE_TEXELS), tile, interpolation=cv2.INTER_AREA)
+
+
+def _blended(one: Pixels, other: Pixels, share: Float32s) -> Pixels:
+    """Two images as one, with that share (rows, columns) of the other."""
+    return np.asarray(cv2.blendLinear(one, other, 1 - share, share), np.uint8)
 
 
 def _bgra(color: Color) -> tuple[int, int, int, int]:

@@ -51,6 +51,8 @@ class Surface:
     """True when it bounds a convex solid."""
     sphere_radius: float = 0.0
     """Above 0 for a sphere about the only vertex."""
+    leafy: bool = False
+    """True for a sphere that is drawn with light and dark leaves."""
 
 
 def surface_of(part: Part) -> Surface:
@@ -74,7 +76,7 @@ def placed(surface: Surface, rotation: Float64s, origin: Float64s) -> Surface:
         for face in surface.faces
     )
     vertices = surface.vertices @ rotation.T + origin
-    return Surface(vertices, faces, surface.convex, surface.sphere_radius)
+    return Surface(vertices, faces, surface.convex, surface.sphere_radius, surface.leafy)
 
 
 # The shapes of parts, each in its own frame.
@@ -90,7 +92,7 @@ def _own_surface(part: Part) -> Surface:
         return _cylinder(shape, color)
     if isinstance(shape, Sphere):
         face = Face((0,) * SPHERE_CORNERS, color)
-        return Surface(np.zeros((1, 3)), (face,), sphere_radius=shape.radius)
+        return Surface(np.zeros((1, 3)), (face,), sphere_radius=shape.radius, leafy=shape.leafy)
     return _mesh(shape, color)
 
 

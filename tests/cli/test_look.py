@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from unittest.mock import Mock
 
 import cv2
 import pytest
 
-from cli.look import LENS, view
+from cli.look import LENS, render, view
 from cli.options import cameras
 from hal.scene.transforms import rotation_matrix
 from tests.cli.run_cli import run_cli
 from vencejo.geometry import Point
-from worlds import find_world, world_names
+from worlds import find_world, outlines_of, pose_at, world_families, world_names
+from worlds.solids import top_of
 
 
 @pytest.mark.parametrize("name", world_names())
@@ -47,6 +50,39 @@ def test_all_of_a_world_is_in_the_picture() -> None:
             x, y, depth = rotation_matrix(attitude).T @ spot.minus(at)
             across, down = LENS.fx * x / depth + LENS.cx, LENS.fy * y / depth + LENS.cy
             assert depth > 0 and -1 < across < LENS.width and -1 < down < LENS.height
+
+
+GENERATED = [f"{family}:{number}" for family in world_families() for number in (1, 7, 17)]
+
+
+@pytest.mark.parametrize("name", [*world_names(), *GENERATED])
+def test_every_thing_is_in_the_picture_from_above(name: str) -> None:
+    world = find_world(name)
+    at, attitude = view(world, "top", None)
+    axes = rotation_matrix(attitude).T
+    for thing in world.things:
+        for time in (0.0, 3.0, 11.0, 30.0):
+            place = pose_at(thing, time)[0]
+            heights = [top_of(replace(thing, motion=None, at=place)), place.z]
+            for outline in outlines_of(thing, time):
+                for x, y in outline:
+                    for z in filter(isfinite, heights):
+                        right, down, depth = axes @ Point(x, y, z).minus(at)
+                        across = LENS.fx * right / depth + LENS.cx
+                        along = LENS.fy * down / depth + LENS.cy
+                        assert 0 <= across <= LENS.width - 1, thing.name
+                        assert 0 <= along <= LENS.height - 1, thing.name
+
+
+def test_a_tower_beside_nothing_is_whole_from_above(tmp_path: Path) -> None:
+    path = tmp_path / "tower.yaml"
+    path.write_text("world: tower\nboxes: {tower: {at: [40, 30], size: [4, 4, 60], color: red}}")
+    world = find_world(str(path))
+    render(world, tmp_path / "top.png", "top")
+    image = cv2.imread(str(tmp_path / "top.png"))
+    red = (image[..., 2] > 120) & (image[..., 1] < 90)
+    assert red.sum() > 400
+    assert not (red[0].any() or red[-1].any() or red[:, 0].any() or red[:, -1].any())
 
 
 def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:

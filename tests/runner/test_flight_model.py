@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from hal import flight_model
-from runner.loop import Plan, fly
+from runner.loop import fly
 from runner.missions import find
+from runner.plan import Plan
 from runner.preparation import prepare
 from runner.testing import fly_mission
 from vencejo.geometry import Point
