@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, TYPE_CHECKING, Any, cast
 
 import click
 from click.core import ParameterSource
 
-from behaviors import Pilot
+from behaviors import Calls, Pilot
 from cli.options import (
     LimitSettings,
     MissionName,
@@ -42,8 +42,8 @@ from runner.geometry import Terms, check_geometry
 from runner.loop import Watcher, fly
 from runner.pace import Pace
 from runner.plan import Plan
-from runner.posts import parse_posts
-from runner.preparation import prepare
+from runner.posts import Post, parse_posts
+from runner.preparation import Prepared, prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
@@ -200,14 +200,8 @@ def run(
             }
         with user_code(call_limit) as limit:
             prepared = prepare(missions.find(mission), world, calls=limit.calls)
-            doubtful: list[Fault] = []
-            values = parse_parameters(prepared.graph, parameters, doubtful)
-            told = parse_posts(prepared.graph, posts, doubtful)
-            model = flight_model(backend)
-            terms = Terms(model, limit_settings.on(model))
-            findings = check_geometry(prepared.graph, prepared.world, terms, values, limit.calls)
-        for fault in (*prepared.graph.warnings, *doubtful, *findings.faults):
-            click.echo(str(fault), err=True)
+            values, told = _values_of(prepared, parameters, posts)
+            _warn_of_ways(prepared, values, backend, limit_settings, limit.calls)
         plan = replace(
             Plan.alone(prepared, values, backend=backend, seed=seed, settings=own),
             posts=told,
@@ -249,6 +243,32 @@ def _plan_again(folder: Path) -> tuple[Plan, float | None]:
     call_limit = recorded.settings.call_limit
     with user_code(call_limit) as limit:
         return recorded.plan(limit.calls), call_limit
+
+
+def _values_of(
+    prepared: Prepared, parameters: Mapping[str, str], posts: Sequence[str]
+) -> tuple[dict[str, Any], tuple[Post, ...]]:
+    """The values of a mission's parameters, and the events it is told; all warnings are shown."""
+    doubtful: list[Fault] = []
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    told = parse_posts(prepared.graph, posts, doubtful)
+    for fault in (*prepared.graph.warnings, *doubtful):
+        click.echo(str(fault), err=True)
+    return values, told
+
+
+def _warn_of_ways(
+    prepared: Prepared,
+    values: Mapping[str, Any],
+    backend: str,
+    limit_settings: LimitSettings,
+    calls: Calls,
+) -> None:
+    """Show what the possible ways of a mission meet in its world."""
+    model = flight_model(backend)
+    terms = Terms(model, limit_settings.on(model))
+    for fault in check_geometry(prepared.graph, prepared.world, terms, values, calls).faults:
+        click.echo(str(fault), err=True)
 
 
 @dataclass(frozen=True)

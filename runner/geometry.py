@@ -172,7 +172,8 @@ class _View:
         end = leg.leg.to
         begin = leg.begin or end
         a, b = self.frame.to_world(begin), self.frame.to_world(end)
-        if self.obstacles.height_above_ground(a, a)[0] < -_SAME:
+        known = leg.begin is not None
+        if known and self.obstacles.height_above_ground(a, a)[0] < -_SAME:
             return  # it never gets there
         if self.below_ground(leg, a, b):
             return
@@ -204,7 +205,9 @@ class _View:
         near = self.obstacles.near(a, b, clearance)
         under = [self.obstacles.below(end).thing for end in (a, b)] if near else []
         # What it begins in was told of the leg that leads there.
-        inside = [each.thing for each in self.obstacles.near(a, a, _TOUCHING)] if near else []
+        known = leg.begin is not None
+        begun = self.obstacles.near(a, a, _TOUCHING) if near and known else ()
+        inside = [each.thing for each in begun]
         for each in near:
             if each.thing in inside:
                 continue

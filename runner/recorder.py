@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import Self
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
@@ -80,10 +79,10 @@ class Recorder:
         self._telemetry = AppendedFile(folder / TELEMETRY)
 
     @contextmanager
-    def beginning(self) -> Iterator[Self]:
+    def beginning(self) -> Iterator[None]:
         """Leave no run folder behind where what the block writes cannot be written."""
         try:
-            yield self
+            yield
         except UserError:
             with suppress(UserError):
                 self.close()

@@ -288,6 +288,21 @@ def test_what_depends_on_the_flight_is_unknown_until_the_next_known_place() -> N
     assert "from [0, 20, 1] to [0, 0, 1] leads through the box 'wall'" in str(findings.faults)
 
 
+@pytest.mark.parametrize(
+    ("point", "expected"),
+    [
+        ("[0, 12, 1]", "the leg to [0, 12, 1] leads into the box 'wall' near [0, 12, 1]"),
+        ("[0, 20, -2]", "the leg to [0, 20, -2] ends 2 m below the ground"),
+    ],
+)
+def test_where_a_leg_ends_counts_though_its_begin_is_unknown(point: str, expected: str) -> None:
+    text = flight(
+        "go: {do: move, with: {forward: 1 m/s}, after: {5 s: back}}\n"
+        f"  back: {{do: goto, with: {{to: {point}}}, on: {{done: land, blocked: land}}}}"
+    )
+    assert checked(text, "yard").faults[0].message.startswith(expected)
+
+
 def test_a_point_that_is_seen_is_unknown_and_nothing_is_told_of_it() -> None:
     text = to("$vehicle.position")
     findings = checked(text, "yard")

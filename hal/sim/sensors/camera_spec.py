@@ -103,17 +103,17 @@ def read_cameras(given: object) -> dict[str, CameraSpec]:
     return found
 
 
-def plain_camera(spec: CameraSpec) -> dict[str, object]:
-    """All settings of a camera as plain values, which :func:`read_cameras` takes."""
-    values = {setting: getattr(spec, field) for setting, field in _SETTINGS.items()}
-    return values | {"at": list(spec.at), "distortion": list(spec.distortion)}
-
-
 def _changed(name: str, spec: CameraSpec, settings: Mapping[Any, Any]) -> CameraSpec:
     for key in settings:
         if key not in _SETTINGS:
             raise _bad(f"the camera '{name}' has no '{key}'", nearest(str(key), _SETTINGS))
     return replace(spec, **{_SETTINGS[key]: setting for key, setting in settings.items()})
+
+
+def plain_camera(spec: CameraSpec) -> dict[str, object]:
+    """All settings of a camera as plain values, which :func:`read_cameras` takes."""
+    values = {setting: getattr(spec, field) for setting, field in _SETTINGS.items()}
+    return values | {"at": list(spec.at), "distortion": list(spec.distortion)}
 
 
 def _checked(name: str, spec: CameraSpec) -> CameraSpec:
