@@ -325,6 +325,10 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
                 click.echo(f"{name}: {flown.failure}", err=True)
         if summary.unrecorded:
             click.echo(summary.unrecorded, err=True)
+        for post in summary.header.settings.post if summary.header.settings else ():
+            if post.time > summary.mission_time:
+                late = f"--post {post.time:g}s:{post.event}: the flight was over before"
+                click.echo(late, err=True)
         no_room = how.picture and _draw(folder)
         fields = summary_fields(summary, folder)
         if how.out is None:

@@ -13,13 +13,17 @@ from typing import Any
 
 from behaviors import Calls, MissionFrame, Thresholds
 from fsm import Graph
+from fsm.chart.executable import Action
 from fsm.chart.graph import Node
+from fsm.checks.regions import actions_of
 from fsm.values.types import AREA, POINT, ROUTE
 from hal import FlightModel, Limits
 from runner.planned_motion import Setting
 from runner.planned_paths import PossibleLeg, possible_paths
 from vencejo.errors import Fault, Where
 from vencejo.geometry import Point
+from vencejo.nodes import Mapping as MapNode
+from vencejo.nodes import Scalar
 from worlds import World
 from worlds.fence import leaves
 from worlds.obstacles import Near, Obstacles
@@ -93,6 +97,8 @@ def check_geometry(
         calls or Calls(),
     )
     paths = possible_paths(graph, parameters or {}, setting)
+    if _may_refill(graph, world):
+        terms = replace(terms, model=None)
     view = _View(world, obstacles, frame, terms)
     most = MAX_COMPARED // (1 + len(obstacles))
     for leg in paths.legs[:most]:
@@ -103,6 +109,20 @@ def check_geometry(
         tuple(view.moving),
         paths.complete and len(paths.legs) <= most,
     )
+
+
+def _may_refill(graph: Graph, world: World) -> bool:
+    """Whether the battery may be swapped or charged on the way: how full it is then is unknown."""
+    called = (_called(action) for node in graph.nodes for action in actions_of(node))
+    return any(thing.charges for thing in world.things) or "swap_battery" in called
+
+
+def _called(action: Action) -> str:
+    """The function that an action calls; empty for none."""
+    if action.kind != "call":
+        return ""
+    named = action.node.entries[0][0] if isinstance(action.node, MapNode) else action.node
+    return named.text if isinstance(named, Scalar) else ""
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,12 @@ def test_what_nobody_hears_is_a_warning_and_what_is_urgent_has_its_reaction() ->
     assert json.loads(result.out)["outcome"] == "aborted"
 
 
+def test_an_event_after_the_end_is_told() -> None:
+    result = fly("3s:battery.low", "2 min:tag.gone")
+    assert result.code == 0
+    assert result.err.splitlines()[-1] == "--post 120s:tag.gone: the flight was over before"
+
+
 def test_posts_are_settings_and_are_repeated() -> None:
     summary = json.loads(fly("3s:tag.seen{id: 2, at: [1, 2, 3]}").out)
     (post,) = summary["settings"]["post"]

@@ -262,6 +262,21 @@ def test_what_was_used_before_counts_and_so_does_the_world_s_battery() -> None:
     ]
 
 
+@pytest.mark.parametrize("call", ["call: swap_battery", "call: {swap_battery: {}}"])
+def test_how_full_the_battery_is_after_a_swap_or_on_a_charger_is_unknown(call: str) -> None:
+    far = (
+        "go: {do: goto, with: {to: [1200, 0, 2]}, on: {done: down, blocked: down}}\n"
+        "  down: {do: land, on: {done: fresh}}\n"
+        "  fresh: {entry: [call], after: {1 s: up_again}}\n"
+        "  up_again: {do: takeoff, with: {altitude: 2 m}, on: {done: home}}"
+    )
+    swapped, not_swapped = (flight(far.replace("call", each)) for each in (call, "log: no"))
+    assert {"beyond-battery", "no-return"} & set(codes(checked(not_swapped)))
+    assert codes(checked(swapped)) == []
+    pad = "world: w\nboxes: {pad: {at: [900, 9], size: [2, 2, 0.2], charges: 60 W}}\n"
+    assert codes(checked(not_swapped, read_world(pad, "w"))) == []
+
+
 def test_what_depends_on_the_flight_is_unknown_until_the_next_known_place() -> None:
     text = flight(
         "go: {do: move, with: {forward: 1 m/s}, after: {5 s: back}}\n"
