@@ -97,9 +97,7 @@ def check_geometry(
         calls or Calls(),
     )
     paths = possible_paths(graph, parameters or {}, setting)
-    if _may_refill(graph, world):
-        terms = replace(terms, model=None)
-    view = _View(world, obstacles, frame, terms)
+    view = _View(world, obstacles, frame, terms, _may_refill(graph, world))
     most = MAX_COMPARED // (1 + len(obstacles))
     for leg in paths.legs[:most]:
         view.look_at(leg)
@@ -137,12 +135,19 @@ class _View:
     """The legs of a mission in its world, one after the other."""
 
     def __init__(
-        self, world: World, obstacles: Obstacles, frame: MissionFrame, terms: Terms
+        self,
+        world: World,
+        obstacles: Obstacles,
+        frame: MissionFrame,
+        terms: Terms,
+        refills: bool,
     ) -> None:
+        """``refills``: the battery may be swapped or charged on the way."""
         self.world = world
         self.obstacles = obstacles
         self.frame = frame
         self.terms = terms
+        self.refills = refills
         self.moving: dict[str, None] = {}
         self.found: dict[tuple[str, Node, str], _Finding] = {}
 
@@ -265,7 +270,9 @@ class _View:
         model, begin, planned = self.terms.model, leg.begin, leg.leg
         if model is None or begin is None:
             return
-        left = self.world.battery - leg.charge - Thresholds().battery_critical
+        # How full it is after a refill is unknown: full at the most.
+        full = 1.0 if self.refills else self.world.battery - leg.charge
+        left = full - Thresholds().battery_critical
         if left < 0:
             return  # an earlier leg has told it
         taken = model.leg_charge(begin, planned.to, planned.speed, planned.dwell)
@@ -276,7 +283,9 @@ class _View:
                 f"{share * dist(begin, planned.to):.0f} m of {dist(begin, planned.to):.0f} m"
             )
             self.warn("beyond-battery", leg, told, self._how_far(leg, left))
-        elif left - taken < self._home_from(planned.to) and not leg.behavior.ends_landed:
+        elif self.refills or leg.behavior.ends_landed:
+            return  # no way home is needed
+        elif left - taken < self._home_from(planned.to):
             told = f"{_line(leg)} leads farther than the battery brings it back"
             self.warn("no-return", leg, told, self._how_far(leg, left))
 

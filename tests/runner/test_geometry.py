@@ -275,6 +275,8 @@ def test_how_full_the_battery_is_after_a_swap_or_on_a_charger_is_unknown(call: s
     assert codes(checked(swapped)) == []
     pad = "world: w\nboxes: {pad: {at: [900, 9], size: [2, 2, 0.2], charges: 60 W}}\n"
     assert codes(checked(not_swapped, read_world(pad, "w"))) == []
+    # No battery lasts for this one, however full it is.
+    assert set(codes(checked(swapped.replace("1200", "20000")))) == {"beyond-battery"}
 
 
 def test_what_depends_on_the_flight_is_unknown_until_the_next_known_place() -> None:
