@@ -91,7 +91,7 @@ def draw(folder: Path) -> Path:
     run = read_run(folder)
     flights = flights_of(run)
     if not flights:
-        raise UserError("no-run", "this run has no telemetry", Where(str(folder)))
+        raise UserError("no-run", "nothing was flown: the mission ended at once", Where(str(folder)))
     path = folder / PICTURE
     try:
         write_whole(path, picture(run, flights, world_of(run)))
