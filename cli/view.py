@@ -44,11 +44,10 @@ def _told(line: Line, pilot: Pilot) -> str:
 def show_summary(summary: Mapping[str, Any], *, colored: bool = False) -> None:
     """Print the end of a run for a person; the run folder comes last."""
     good = "✘" if not summary["success"] else "✔" if summary["left_ground"] else "–"
+    stayed = "" if summary["left_ground"] else ", never left the ground"
     reason = f" — {summary['reason']}" if summary["reason"] else ""
-    if not summary["left_ground"]:
-        reason += " — but it never left the ground"
     lines = [
-        f"{good} {summary['mission']} ended in '{summary['outcome']}'{reason}",
+        f"{good} {summary['mission']} ended in '{summary['outcome']}'{stayed}{reason}",
         f"  {summary['mission_time_s']:.1f} s flown in {_rounded(summary['wall_time_s'])} s"
         f" ({_rounded(summary['realtime_factor'])} × real time), {summary['distance_m']:.1f} m,"
         f" up to {summary['max_altitude_m']:.1f} m, battery {summary['battery_left']:.0%}",

@@ -194,5 +194,5 @@ def test_what_is_no_run_cannot_be_drawn(crashed: Path, tmp_path: Path) -> None:
         draw(tmp_path)
     columns, _, _ = (crashed / "telemetry.csv").read_text().partition("\n")
     (crashed / "telemetry.csv").write_text(columns + "\n")
-    with pytest.raises(UserError, match="no telemetry"):
+    with pytest.raises(UserError, match="nothing was flown"):
         draw(crashed)
