@@ -91,7 +91,8 @@ def draw(folder: Path) -> Path:
     run = read_run(folder)
     flights = flights_of(run)
     if not flights:
-        raise UserError("no-run", "nothing was flown: the mission ended at once", Where(str(folder)))
+        message = "nothing was flown: the mission ended at once"
+        raise UserError("no-run", message, Where(str(folder)))
     path = folder / PICTURE
     try:
         write_whole(path, picture(run, flights, world_of(run)))
