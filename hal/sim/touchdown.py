@@ -62,7 +62,7 @@ class Touchdown:
         if contacts.supported:
             # On a slope the level vehicle touches with one edge.
             self._on_edge += height < self._gap
-            if self._on_edge >= _ON_EDGE or contacts.has_footing():
+            if self._on_edge >= _ON_EDGE or contacts.has_footing(state):
                 self.idle, self._periods = True, 0
                 return ""
             self._over_edge += height >= self._gap
@@ -78,7 +78,7 @@ class Touchdown:
         if falls or self._periods >= _PATIENCE:
             return "unstable"
         settled = contacts.settled and self._periods >= _LYING
-        return "stands" if settled and contacts.has_footing() else ""
+        return "stands" if settled and contacts.has_footing(state) else ""
 
     def _tips(self, state: BodyState) -> bool:
         x, y, _, _ = state[1]

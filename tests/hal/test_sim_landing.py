@@ -81,7 +81,24 @@ def test_it_lands_on_what_it_can_stand_on(case: str) -> None:
         assert rise == pytest.approx(1.5, abs=0.1)
 
 
+@settings(max_examples=12, deadline=None)
+@given(st.floats(0.5, 3.0), st.floats(0.05, 2.0), st.floats(0.0, 1.0), st.floats(-pi, pi))
+def test_it_lands_wherever_it_comes_down_on_a_drum(
+    radius: float, height: float, share: float, towards: float
+) -> None:
+    """The engine tells of few places where two flat faces meet, if one of them is round."""
+    drum = thing_of("drum", Cylinder(radius, height), (0, 0, height / 2))
+    away = share * (radius - 0.4)
+    x, y = away * cos(towards), away * sin(towards)
+    with session_of(world_of(drum, start=SOUTH)) as session:
+        seen = landing(session, x, y, height + 1.0)
+        assert seen[-1].mode == "landed" and told(seen) == []
+        assert seen[-1].position.z == pytest.approx(height, abs=0.005)
+        assert stays(session)
+
+
 UNSTABLE = {
+    "on top of a bigger ball": (thing_of("thing", Sphere(7.0), (0, 0, -2)), 0.0, 0.0),
     "on top of a ball": (thing_of("thing", Sphere(2.0), (0, 0, 2)), 0.0, 0.0),
     "on top of a big ball": (thing_of("thing", Sphere(5.0), (0, 0, 0)), 0.3, 0.0),
     "on top of a small ball": (thing_of("thing", Sphere(0.5), (0, 0, 0.5)), 0.1, 0.1),
