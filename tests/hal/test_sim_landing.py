@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hal.orders import Order
 from hal.sim import SimSession
 from hal.vehicle import Observation, Position, Vehicle
-from tests.hal.flying import finish, only, session_of, take_off, told, wait
+from tests.hal.flying import finish, only, session_of, take_off, told, wait, wait_until
 from tests.hal.scenes import thing_of, turned, world_of
 from vencejo.geometry import Point, distance, roll_pitch_of, rotate_xy, yaw_of
 from worlds.motion import pose_at
@@ -308,6 +308,24 @@ def test_what_rides_on_a_pad_is_held_up_by_what_it_hits() -> None:
         assert told(seen) == [("collision", "bar")]
         # The pad has gone from under it.
         assert seen[-1].position.x < 6 and abs(seen[-1].position.z) < 0.01
+
+
+def test_what_has_capsized_stops_its_motors() -> None:
+    """The pad runs into it, and it comes to lie on its back."""
+    thing = pad(1.0, (Point(-13, 0, 0.15), Point(170, 0, 0.15)))
+    with session_of(world_of(thing)) as session:
+        vehicle = take_off(session, 2.5)
+        place = Position(Point(10, 0, 2.5))
+        wait(session, 19 - vehicle.observe().time, place)
+        order = vehicle.land()
+        wait_until(session, lambda: order.ended, 10)
+        wait(session, 4)
+        again = vehicle.land()
+        wait_until(session, lambda: again.ended, 10)
+        assert again.reason == "it has capsized on the pad"
+        seen = wait(session, 5)[-1]
+        assert seen.mode == "landed" and not seen.armed and not seen.flying
+        assert seen.health == ("the vehicle does not stand upright",)
 
 
 def test_beside_the_pad_it_lands_on_the_ground() -> None:
