@@ -70,8 +70,10 @@ class ContactTracker:
         """Number of mission periods at rest on what touches it from below."""
         self.untouched = 0
         """Number of mission periods since it was touched from below."""
+        self.clear = 0
+        """Number of mission periods since it was touched at all."""
         self.thing = ""
-        """Name of what touched it from below last; empty for the ground."""
+        """Name of what touched it last, from below if anything did; empty for the ground."""
 
     @property
     def touched(self) -> tuple[str, ...]:
@@ -130,10 +132,12 @@ class ContactTracker:
 
     def _update_rest(self, state: BodyState, thrust: bool) -> None:
         self.untouched += 1
+        self.clear = 0 if self._touches else self.clear + 1
         below = [touch for touch in self._touches if touch.normal[2] > _FROM_BELOW]
         if not below:
             self.supported, self.still = False, 0
             self._places.clear()
+            self.thing = next((touch.name for touch in self._touches), self.thing)
             return
         (x, y, _), _, velocity, (roll, pitch, _) = state
         level = [touch for touch in below if touch.normal[2] >= self._level and not touch.free]

@@ -69,7 +69,7 @@ class Touchdown:
                 self.idle, self._periods = True, 0
                 return ""
             self._over_edge += height >= self._gap
-        blocked = contacts.untouched < _PATIENCE and state[2][2] > -_SINKING
+        blocked = contacts.clear < _PATIENCE and state[2][2] > -_SINKING
         self._periods = self._periods + 1 if blocked else 0
         stuck = self._periods >= _PATIENCE or self._over_edge >= _OVER_EDGE
         return "unstable" if stuck or self._tips(state) else ""

@@ -310,6 +310,19 @@ def test_what_rides_on_a_pad_is_held_up_by_what_it_hits() -> None:
         assert seen[-1].position.x < 6 and abs(seen[-1].position.z) < 0.01
 
 
+@pytest.mark.parametrize("speed", [0.7, 2.0])
+def test_what_a_pad_pushes_before_it_cannot_come_down_there(speed: float) -> None:
+    thing = pad(speed, (Point(-12 * speed, 0, 0.15), Point(300, 0, 0.15)))
+    with session_of(world_of(thing, start=Point(1, 0, 0))) as session:
+        vehicle = take_off(session, HOVER)
+        seen = wait(session, 16, Position(Point(1, 0, 0.15)))
+        assert told(seen) == [("collision", "pad")]
+        order = vehicle.land()
+        wait_until(session, lambda: order.ended, 5)
+        assert order.reason == "it does not stand on the pad"
+        assert vehicle.observe().mode == "flying"
+
+
 def test_what_has_capsized_stops_its_motors() -> None:
     """The pad runs into it, and it comes to lie on its back."""
     thing = pad(1.0, (Point(-13, 0, 0.15), Point(170, 0, 0.15)))
