@@ -18,6 +18,8 @@ from fsm.checks.macrosteps import Macrosteps, Result, Situation, bits
 from fsm.checks.possibilities import LANDED, Chances, Option, Possibilities
 
 T = TypeVar("T")
+FAILED = "error.execution"
+"""What a mission hears when an expression or action of its own fails, which may be at any time."""
 NAMED = 4
 """Active states of a situation that its name gives."""
 
@@ -128,6 +130,8 @@ class Explorer:
         yield from steps.always(at)
         yield from steps.finishing(at)
         yield from steps.own_events(at)
+        if FAILED in self.can.words.taken:
+            yield from steps.event(at, FAILED)
 
     def _rounds(self, at: Situation, chances: Sequence[Chances]) -> Iterator[Result]:
         """What timers and conditions can do."""

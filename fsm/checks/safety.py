@@ -2,9 +2,9 @@
 
 The claim. Each event of ``Vocabulary.must_land`` is offered in every situation that the mission can
 come into. Where no transition takes it, the host lands. Where one does, no further event from
-outside is counted on, and outcomes, timers and conditions come in any order; yet the mission ends,
-where the host lands, or a behaviour that ends on the ground ends in ``done``, and no take-off makes
-that undone for ever. A landing that is left, or fails, has landed nothing.
+outside is counted on, and outcomes, timers, conditions and ``error.execution`` come in any order;
+yet the mission ends, where the host lands, or a behaviour that ends on the ground ends in ``done``,
+and no take-off makes that undone for ever. A landing that is left, or fails, has landed nothing.
 
 Guards and conditions may be true or false at any time, constants apart. What is sure to happen is
 not put off for ever (weak fairness): a behaviour that can end does end, and a timer goes off,

@@ -25,6 +25,12 @@ _SETTLED = 10
 _BASE = 0.05
 """Horizontal distance from the centre of mass to which what it stands on reaches at least, in every
 direction, metres."""
+_EVEN = 2e-4
+"""Most height that an even surface loses beside a straight line, metres."""
+_PROBE = 0.1
+"""Horizontal distance from the centre of mass at which a surface is probed, metres."""
+_LIES = 0.02
+"""Most height above an even surface of a vehicle that lies on it, metres."""
 _DIRECTIONS = tuple((cos(k * pi / 8), sin(k * pi / 8)) for k in range(16))
 _FARTHEST_GROUND = 1000.0
 """Range of the search for the ground below, metres."""
@@ -64,8 +70,10 @@ class ContactTracker:
         """Number of mission periods at rest on what touches it from below."""
         self.untouched = 0
         """Number of mission periods since it was touched from below."""
+        self.clear = 0
+        """Number of mission periods since it was touched at all."""
         self.thing = ""
-        """Name of what touched it from below last; empty for the ground."""
+        """Name of what touched it last, from below if anything did; empty for the ground."""
 
     @property
     def touched(self) -> tuple[str, ...]:
@@ -124,10 +132,12 @@ class ContactTracker:
 
     def _update_rest(self, state: BodyState, thrust: bool) -> None:
         self.untouched += 1
+        self.clear = 0 if self._touches else self.clear + 1
         below = [touch for touch in self._touches if touch.normal[2] > _FROM_BELOW]
         if not below:
             self.supported, self.still = False, 0
             self._places.clear()
+            self.thing = next((touch.name for touch in self._touches), self.thing)
             return
         (x, y, _), _, velocity, (roll, pitch, _) = state
         level = [touch for touch in below if touch.normal[2] >= self._level and not touch.free]
@@ -142,12 +152,27 @@ class ContactTracker:
         self._places += [(touch.place[0] - x, touch.place[1] - y) for touch in level]
         self.supported = bool(level) or (not thrust and self.settled)
 
-    def has_footing(self) -> bool:
-        """Whether what it touches holds it up on all sides of its centre of mass."""
+    def has_footing(self, state: BodyState) -> bool:
+        """Whether what it touches holds it up on all sides of its centre of mass.
+
+        An engine may tell of few of the places where two faces meet, so that where none is known
+        it is asked whether the surface goes on evenly.
+        """
         places = self._places
         return bool(places) and all(
-            max(east * x + north * y for x, y in places) >= _BASE for east, north in _DIRECTIONS
+            max(east * x + north * y for x, y in places) >= _BASE
+            or self._is_even(state, east * _PROBE, north * _PROBE)
+            for east, north in _DIRECTIONS
         )
+
+    def _is_even(self, state: BodyState, east: float, north: float) -> bool:
+        """Whether it lies on a surface that is straight below it, this far to both sides."""
+        x, y, z = state[0]
+        starts = [(x + share * east, y + share * north, z) for share in (-1, 0, 1)]
+        ends = [(x, y, z - 2 * self._height) for x, y, z in starts]
+        before, middle, after = self._physics.rays(starts, ends).distances
+        bend = (before + after) / 2 - middle
+        return middle - self._height < _LIES and abs(bend) < _EVEN
 
     def restart_rest(self) -> None:
         """Count the periods at rest anew, since the vehicle changes its mode."""

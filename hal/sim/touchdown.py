@@ -27,8 +27,8 @@ _SINKING = 0.1
 _TIPPED = 10 * pi / 180
 """Tilt beyond that of the steepest ground at which it falls over, radians."""
 
-Verdict = Literal["", "stands", "unstable"]
-"""Empty while that is not known."""
+Verdict = Literal["", "stands", "unstable", "capsized"]
+"""Empty while that is not known; capsized is what lies so that its thrust does not lift it."""
 
 
 class Touchdown:
@@ -37,6 +37,7 @@ class Touchdown:
     def __init__(self, contacts: ContactTracker, airframe: Airframe) -> None:
         self._contacts = contacts
         self._least_cosine = cos(airframe.steepest_ground + _TIPPED)
+        self._capsized_cosine = cos(airframe.steepest)
         length, width, _ = airframe.size
         self._gap = hypot(length, width) / 2 * tan(airframe.steepest_ground) + _SWAYS
         """Most height above the ground of a vehicle that touches a slope, metres."""
@@ -55,6 +56,8 @@ class Touchdown:
 
     def update(self, state: BodyState, height: float) -> Verdict:
         """Go on by a mission period; ``height`` (m) is that above what is straight below."""
+        if self._is_over(state, self._capsized_cosine, _SLIPPED):
+            return self._lie_over()
         return self._lie_down(state) if self.idle else self._touch(state, height)
 
     def _touch(self, state: BodyState, height: float) -> Verdict:
@@ -62,11 +65,11 @@ class Touchdown:
         if contacts.supported:
             # On a slope the level vehicle touches with one edge.
             self._on_edge += height < self._gap
-            if self._on_edge >= _ON_EDGE or contacts.has_footing():
+            if self._on_edge >= _ON_EDGE or contacts.has_footing(state):
                 self.idle, self._periods = True, 0
                 return ""
             self._over_edge += height >= self._gap
-        blocked = contacts.untouched < _PATIENCE and state[2][2] > -_SINKING
+        blocked = contacts.clear < _PATIENCE and state[2][2] > -_SINKING
         self._periods = self._periods + 1 if blocked else 0
         stuck = self._periods >= _PATIENCE or self._over_edge >= _OVER_EDGE
         return "unstable" if stuck or self._tips(state) else ""
@@ -78,9 +81,20 @@ class Touchdown:
         if falls or self._periods >= _PATIENCE:
             return "unstable"
         settled = contacts.settled and self._periods >= _LYING
-        return "stands" if settled and contacts.has_footing() else ""
+        return "stands" if settled and contacts.has_footing(state) else ""
+
+    def _lie_over(self) -> Verdict:
+        if not self.idle:
+            self.idle, self._periods = True, 0
+        self._periods += 1
+        lies = self._contacts.settled or self._periods >= _PATIENCE
+        return "capsized" if lies else ""
 
     def _tips(self, state: BodyState) -> bool:
+        return self._is_over(state, self._least_cosine, _PATIENCE)
+
+    def _is_over(self, state: BodyState, least_cosine: float, periods: int) -> bool:
+        """Whether it leans further than that, and was touched within so many mission periods."""
         x, y, _, _ = state[1]
-        leans = 1 - 2 * (x * x + y * y) < self._least_cosine
-        return leans and self._contacts.untouched < _PATIENCE
+        leans = 1 - 2 * (x * x + y * y) < least_cosine
+        return leans and self._contacts.untouched < periods

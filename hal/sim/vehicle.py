@@ -484,6 +484,8 @@ class SimVehicle(BaseVehicle):
             self._stop_motors()
         elif verdict == "unstable":
             self._leave()
+        elif verdict == "capsized":
+            self._stop_motors(f"it has capsized on the {self._below()}")
         else:
             self._hold_when_at_rest()
             sinking = max(_TOUCHDOWN_SPEED, min(height, self._controller.max_climb))

@@ -42,6 +42,8 @@ PROVEN = {
     "a wait with a limit": START % "wait" + WAIT % "after: {5 s: land}",
     "a limit whose last alternative has no guard": START % "wait"
     + WAIT % "after: {5 s: [{guard: 1 > 2, target: land}, end]}",
+    "an expression that fails is noted": START % "wait"
+    + WAIT % "after: {5 s: land}, on: {error.*: {actions: {log: failed}}}",
     "through a choice": START % "choose"
     + "  choose: {always: [{guard: 1 > 2, target: land}, end]}\n",
     "a behaviour that fails is landed by the host": START % "home"
@@ -189,6 +191,10 @@ GOES = {
     "failed, and tried again for ever": (
         "  down: {do: settle, on: {done: end, failed: down}}",
         ["3:46 left-landing fly, then 'link.lost' → down → down, and so on"],
+    ),
+    "left when an expression fails": (
+        "  down: {do: settle, on: {done: end, error.execution: away}}",
+        ["3:55 left-landing fly, then 'link.lost' → down → away, where it stays"],
     ),
     "left by an event that was sent": (
         "  down: {do: settle, on: {done: end, no.way: away}, "

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hal.orders import Order
 from hal.sim import SimSession
 from hal.vehicle import Observation, Position, Vehicle
-from tests.hal.flying import finish, only, session_of, take_off, told, wait
+from tests.hal.flying import finish, only, session_of, take_off, told, wait, wait_until
 from tests.hal.scenes import thing_of, turned, world_of
 from vencejo.geometry import Point, distance, roll_pitch_of, rotate_xy, yaw_of
 from worlds.motion import pose_at
@@ -81,7 +81,24 @@ def test_it_lands_on_what_it_can_stand_on(case: str) -> None:
         assert rise == pytest.approx(1.5, abs=0.1)
 
 
+@settings(max_examples=12, deadline=None)
+@given(st.floats(0.5, 3.0), st.floats(0.05, 2.0), st.floats(0.0, 1.0), st.floats(-pi, pi))
+def test_it_lands_wherever_it_comes_down_on_a_drum(
+    radius: float, height: float, share: float, towards: float
+) -> None:
+    """The engine tells of few places where two flat faces meet, if one of them is round."""
+    drum = thing_of("drum", Cylinder(radius, height), (0, 0, height / 2))
+    away = share * (radius - 0.4)
+    x, y = away * cos(towards), away * sin(towards)
+    with session_of(world_of(drum, start=SOUTH)) as session:
+        seen = landing(session, x, y, height + 1.0)
+        assert seen[-1].mode == "landed" and told(seen) == []
+        assert seen[-1].position.z == pytest.approx(height, abs=0.005)
+        assert stays(session)
+
+
 UNSTABLE = {
+    "on top of a bigger ball": (thing_of("thing", Sphere(7.0), (0, 0, -2)), 0.0, 0.0),
     "on top of a ball": (thing_of("thing", Sphere(2.0), (0, 0, 2)), 0.0, 0.0),
     "on top of a big ball": (thing_of("thing", Sphere(5.0), (0, 0, 0)), 0.3, 0.0),
     "on top of a small ball": (thing_of("thing", Sphere(0.5), (0, 0, 0.5)), 0.1, 0.1),
@@ -291,6 +308,37 @@ def test_what_rides_on_a_pad_is_held_up_by_what_it_hits() -> None:
         assert told(seen) == [("collision", "bar")]
         # The pad has gone from under it.
         assert seen[-1].position.x < 6 and abs(seen[-1].position.z) < 0.01
+
+
+@pytest.mark.parametrize("speed", [0.7, 2.0])
+def test_what_a_pad_pushes_before_it_cannot_come_down_there(speed: float) -> None:
+    thing = pad(speed, (Point(-12 * speed, 0, 0.15), Point(300, 0, 0.15)))
+    with session_of(world_of(thing, start=Point(1, 0, 0))) as session:
+        vehicle = take_off(session, HOVER)
+        seen = wait(session, 16, Position(Point(1, 0, 0.15)))
+        assert told(seen) == [("collision", "pad")]
+        order = vehicle.land()
+        wait_until(session, lambda: order.ended, 5)
+        assert order.reason == "it does not stand on the pad"
+        assert vehicle.observe().mode == "flying"
+
+
+def test_what_has_capsized_stops_its_motors() -> None:
+    """The pad runs into it, and it comes to lie on its back."""
+    thing = pad(1.0, (Point(-13, 0, 0.15), Point(170, 0, 0.15)))
+    with session_of(world_of(thing)) as session:
+        vehicle = take_off(session, 2.5)
+        place = Position(Point(10, 0, 2.5))
+        wait(session, 19 - vehicle.observe().time, place)
+        order = vehicle.land()
+        wait_until(session, lambda: order.ended, 10)
+        wait(session, 4)
+        again = vehicle.land()
+        wait_until(session, lambda: again.ended, 10)
+        assert again.reason == "it has capsized on the pad"
+        seen = wait(session, 5)[-1]
+        assert seen.mode == "landed" and not seen.armed and not seen.flying
+        assert seen.health == ("the vehicle does not stand upright",)
 
 
 def test_beside_the_pad_it_lands_on_the_ground() -> None:
