@@ -221,6 +221,8 @@ def _shown(report: Report) -> dict[str, Any]:
     faults = [_told(fault) for fault in report.faults]
     if report.findings is not None:
         found["unknown"] = list(report.findings.unknown)
+        found["moving"] = list(report.findings.moving)
+        found["complete"] = report.findings.complete
     if report.flights:
         from cli.trials import trial_fields
 

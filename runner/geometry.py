@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from math import dist
+from math import dist, floor
 from typing import Any
 
 from behaviors import Calls, MissionFrame, Thresholds
@@ -232,7 +232,7 @@ class _View:
             self.warn("hits-thing", leg, told, "fly over it or around it", name)
         elif ("hits-thing", leg.node, name) not in self.found:
             told = (
-                f"{_line(leg)} passes {near.distance:.2f} m from {what}, near {place}; "
+                f"{_line(leg)} passes {_rounded_down(near.distance)} m from {what}, near {place}; "
                 f"{self.terms.clearance:g} m are asked for"
             )
             hint = "keep away from it, or ask for less: --clearance"
@@ -332,6 +332,11 @@ def _line(leg: PossibleLeg) -> str:
     """``the leg from [0, 0, 2] to [0, 14, 2]``."""
     begin = f"from {_shown(leg.begin)} " if leg.begin is not None else ""
     return f"the leg {begin}to {_shown(leg.leg.to)}"
+
+
+def _rounded_down(distance: float) -> str:
+    """A distance in full centimetres, so that one too small is not shown as what is asked for."""
+    return f"{floor(distance * 100 + 1e-6) / 100:.2f}"
 
 
 def _shown(place: Point) -> str:

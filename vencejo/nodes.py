@@ -140,8 +140,13 @@ def _not_utf8(data: bytes, position: int, file: str) -> UserError:
     before = data[:position].decode("utf-8-sig", "replace")
     place = place_in(before, len(before), file)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return UserError("not-text", "the file is UTF-16, not UTF-8", place, "save it as UTF-8")
-    hint = f"save it as UTF-8; in Latin-1 this would be '{chr(data[position])}'"
+        other = "UTF-32" if data.startswith(b"\xff\xfe\0\0") else "UTF-16"
+        return UserError("not-text", f"the file is {other}, not UTF-8", place, "save it as UTF-8")
+    # Windows' own letters stand where Latin-1 has control characters.
+    byte = data[position : position + 1]
+    encoding, code = ("Windows-1252", "cp1252") if byte < b"\xa0" else ("Latin-1", "latin-1")
+    letter = byte.decode(code, "replace")
+    hint = f"save it as UTF-8; in {encoding} this would be '{letter}'"
     return UserError("not-text", "the file is no UTF-8 text from here on", place, hint)
 
 

@@ -253,8 +253,10 @@ def _endless_landings(graph: Graph, dead: Collection[Edge]) -> Iterator[Fault]:
 
 
 def _goes_wrong(graph: Graph, edge: Edge) -> bool:
-    urgent = edge.kind == "on" and graph.vocabulary.is_urgent(edge.trigger)
-    return urgent or (edge.kind == "on" and edge.trigger == "failed")
+    """Whether a fault or the operator leads there; an event that is only advice is neither."""
+    vocabulary, word = graph.vocabulary, edge.trigger
+    urgent = vocabulary.is_urgent(word) and vocabulary.reaction(word) != "none"
+    return edge.kind == "on" and (urgent or word == "failed")
 
 
 def _together(graph: Graph, node: Node) -> Iterator[Node]:

@@ -255,10 +255,11 @@ class _Compiler:
         return {word: _common(fields) for word, fields in found.items()}
 
     def in_doubt(self, state: StateDraft) -> bool:
-        """Whether the outcomes of a state's behaviour or included graph are unknown."""
+        """Whether the outcomes of a state's behaviour, states or included graph are unknown."""
         if state.invocation is not None:
             return state.invocation.behavior.on_trust
-        return self.tree.specs[state.index].do is not None or self.tree.lacks(state)
+        unread = state.type in ("compound", "parallel") and not state.children
+        return self.tree.specs[state.index].do is not None or unread
 
     def offered(self, inner: StateDraft, state: StateDraft) -> Iterator[tuple[str, Fields | None]]:
         """The outcomes, with their fields, that ``inner`` offers to ``state``.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any, cast
 
@@ -23,7 +24,7 @@ from fsm.language.spec import (
     TriggerSpec,
 )
 from fsm.language.value_kinds import Reader
-from vencejo.errors import Correction, UserError, Where, nearest
+from vencejo.errors import Correction, UserError, Where, certain, nearest
 from vencejo.nodes import Mapping, Scalar, Sequence, YamlNode, kind
 
 LANGUAGE = 1
@@ -46,6 +47,8 @@ _EXAMPLES = {
     "graphs": "graphs: {scan: {states: {…}}}",
 }
 """A hint for each key whose value is a map."""
+_NO_NAMES = ("on", "when", "after", "with", "live")
+"""Keys of a state that nobody takes for a state, though a map stands behind them."""
 _DEFINE = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?")
 
 
@@ -69,6 +72,26 @@ _TRIGGERS = tuple(key for key in keys.AT["state"].values() if key.kind.reader ==
 _ROOT_TYPES = ("parallel",)
 _ALLOWED = {"final": keys.AT["final"], "history": keys.AT["history"]}
 _TYPE, _PRIORITY = keys.ANY_STATE["type"], keys.AT["mission"]["priority"]
+
+
+_Belongs = Callable[[Scalar, Scalar, YamlNode], bool]
+"""Whether a key, with its value, may belong inside the key above it."""
+
+
+def _is_key_of_state(_: Scalar, key: Scalar, value: YamlNode) -> bool:
+    """Whether this is one of the keys of a state, where the names of states stand."""
+    is_no_state = not isinstance(value, Mapping) or key.text in _NO_NAMES
+    return key.text in keys.AT["state"] and is_no_state
+
+
+def _is_key_of_transition(_: Scalar, key: Scalar, value: YamlNode) -> bool:
+    return key.text in keys.AT["transition"]
+
+
+def _looks_like_state(value: YamlNode) -> bool:
+    return isinstance(value, Mapping) and any(
+        key.text in ("do", "on", "states") for key, _ in value
+    )
 
 
 def _blank_missing(key: Scalar, more: str = "") -> str:
@@ -171,8 +194,8 @@ class _Reader:
             node = self.keys(node, allowed, f"a {declared} state" if declared else "a state")
         before = self.faults.errors
         states = self.states(node, depth)
-        flawed = type_ == "compound" and not states and self.faults.errors > before
-        if type_ == "parallel" and not states:
+        flawed = type_ != "atomic" and not states and self.faults.errors > before
+        if type_ == "parallel" and not states and not flawed:
             self.fail("no-states", "a parallel state needs `states`", where)
         self.refuse_combinations(node)
         before = self.faults.errors
@@ -208,7 +231,7 @@ class _Reader:
     def states(self, node: Mapping, depth: int) -> tuple[StateSpec, ...]:
         """The children of a state of that depth."""
         children = []
-        for key, value in self.map(node, "states"):
+        for key, value in self.nested(self.map(node, "states"), _is_key_of_state, "a state"):
             if not keys.SMALL_NAME.fullmatch(key.text):
                 self.fail(
                     "bad-name",
@@ -218,10 +241,13 @@ class _Reader:
                 )
             if isinstance(value, Scalar) and value.null:
                 value = Mapping([], key.where)
+            read = isinstance(value, Mapping)
             if not isinstance(value, Mapping):
-                self.fail("wrong-type", f"a state is a map, not {kind(value)}", value.where)
+                hint = f"{key.text}: {{do: takeoff, on: {{done: …}}}}"
+                self.fail("wrong-type", f"a state is a map, not {kind(value)}", value.where, hint)
                 value = Mapping([], key.where)
-            children.append(self.state(key.text, value, key.where, depth + 1))
+            child = self.state(key.text, value, key.where, depth + 1)
+            children.append(child if read else replace(child, flawed=True))
         return tuple(children)
 
     # -- transitions ------------------------------------------------------------------------
@@ -231,7 +257,8 @@ class _Reader:
         found: list[TriggerSpec] = []
         for key in _TRIGGERS:
             trigger = cast(TriggerKind, key.name)
-            for cause, value in self.map(node, key.name):
+            entries = self.nested(self.map(node, key.name), _is_key_of_transition, f"`{key.name}`")
+            for cause, value in entries:
                 if key.kind.pattern and not key.kind.pattern.fullmatch(cause.text):
                     hint = "an outcome is one word; an event has a dot"
                     self.fail(
@@ -296,7 +323,14 @@ class _Reader:
     def keys(self, node: Mapping, allowed: dict[str, Key], what: str) -> Mapping:
         """The map with each misspelt key read as the one that was meant."""
         meant: list[tuple[Scalar, YamlNode]] = []
-        for key, value in node:
+
+        def belongs(before: Scalar, key: Scalar, value: YamlNode) -> bool:
+            known = key.text in allowed or certain(key.text, allowed) or key.text in keys.NOT_YET
+            return before.text in _EXAMPLES and before.text in allowed and not known
+
+        entries = self.nested(node, belongs, what)
+        present = {key.text for key, _ in entries}
+        for key, value in entries:
             if key.text in allowed:
                 meant.append((key, value))
                 continue
@@ -308,19 +342,48 @@ class _Reader:
                     key.where,
                 )
                 continue
-            unused = allowed.keys() - {other.text for other, _ in node}
-            near = get_close_matches(key.text, unused, n=1)
+            near = get_close_matches(key.text, allowed, n=1)
             if not near:
                 meant.append((key, value))
-            elif near[0] not in {k.text for k, _ in meant}:
+            elif near[0] not in present | {k.text for k, _ in meant}:
                 meant.append((Scalar(near[0], key.where), value))
             hint = nearest(key.text, allowed)
             if key.text in keys.TOP_ONLY:
                 hint = f"'{key.text}' stands at the top of the file only"
             elif ":" in key.text:
                 hint = _blank_missing(key)
+            elif allowed is keys.AT["state"] and _looks_like_state(value):
+                hint = (
+                    "indent it less, if it is a state beside this one; `states` holds those inside"
+                )
             self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
         return Mapping(meant, node.where)
+
+    def nested(
+        self, entries: Iterable[tuple[Scalar, YamlNode]], belongs: _Belongs, what: str
+    ) -> list[tuple[Scalar, YamlNode]]:
+        """The entries of a map, with what lacks its indentation put inside the key above it.
+
+        That is an empty key, and what stands on the lines below it in the same column though it
+        belongs inside. It is one fault, at the first of them.
+        """
+        found: list[tuple[Scalar, YamlNode]] = []
+        inside: Mapping | None = None
+        for key, value in entries:
+            before, above = found[-1] if found else (key, value)
+            below = key.where.line > before.where.line and belongs(before, key, value)
+            if inside is not None and below:
+                inside.entries.append((key, value))
+                continue
+            inside = None
+            if below and isinstance(above, Scalar) and above.null:
+                hint = f"indent it further, if it belongs to `{before.text}` above it"
+                self.fail("unknown-key", f"{what} has no key '{key.text}'", key.where, hint)
+                inside = Mapping([(key, value)], key.where)
+                found[-1] = before, inside
+            else:
+                found.append((key, value))
+        return found
 
     def where(self, node: Mapping, key: str) -> Where:
         """The place of a key, or of the map that lacks it."""

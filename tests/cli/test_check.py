@@ -144,7 +144,8 @@ def test_json_reports_every_mission(hop: str, write: Write) -> None:
     good, bad = json.loads(result.out)
     assert result.code == 2
     counts = {"errors": 0, "warnings": 0, "faults": []}
-    assert good == {"mission": "hop.yaml", "states": 3, "unknown": [], **counts}
+    looked_at = {"unknown": [], "moving": [], "complete": True}
+    assert good == {"mission": "hop.yaml", "states": 3, **looked_at, **counts}
     assert bad["faults"][0]["code"] == "no-states"
     assert bad["faults"][0]["where"].startswith("bad.yaml:1:")
 

@@ -291,6 +291,43 @@ states:
     assert [shown(fault) for fault in found] == ["3:17 unknown-key", "4:21 unknown-key"]
 
 
+@pytest.mark.parametrize(
+    ("text", "expected", "hint"),
+    [
+        ("states:\n  a:\n    do: wait\n    on:\n    done: b\n    operator.abort: b\n  b: {type: final}\n",
+         ["5:5 unknown-key"], "further, if it belongs to `on`"),
+        ("states:\na:\n  after: {1 s: b}\nb: {type: final}\n", ["2:1 unknown-key"], "belongs to `states`"),
+        ("states:\n  a:\n  do: wait\n  on: {operator.abort: b}\n  b: {type: final}\n", ["3:3 unknown-key"], "belongs to `a`"),
+        ("states:\n  a:\n    after:\n      1 s:\n      target: b\n  b: {type: final}\n", ["5:7 unknown-key"], "belongs to `1 s`"),
+        # a misspelt key is no matter of indentation, nor is one in the same line
+        ("states:\n  a:\n    on:\n    aftr: {1 s: b}\n  b: {type: final}\n", ["4:5 unknown-key", "3:8 wrong-type"], "'after'"),
+        ("states:\n  a: {on: , done: b, after: {1 s: b}}\n  b: {type: final}\n", ["2:13 unknown-key", "2:11 wrong-type"], "'on'"),
+        ("states:\n  a:\n    after: {1 s: b}\n    b: {on: {operator.abort: a}}\n  c: {type: final}\n",
+         ["4:5 unknown-key"], "indent it less"),
+    ],
+)  # fmt: skip
+def test_wrong_indentation_is_one_fault_with_its_cure(
+    text: str, expected: list[str], hint: str
+) -> None:
+    found = faults_of(text)
+    assert [shown(fault) for fault in found] == expected
+    assert hint in (found[0].hint or "")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("states:\n  a: {states: [{b: {}}], on: {done: c}}\n  c: {type: final}\n", ["2:15 wrong-type"]),
+        ("states:\n  a: {type: parallel, states: [{b: {}}], on: {done: c}}\n  c: {type: final}\n", ["2:31 wrong-type"]),
+        ("states:\n  a: do wait\n  c: [{do: wait}]\n", ["2:6 wrong-type", "3:6 wrong-type"]),
+    ],
+)  # fmt: skip
+def test_of_states_that_could_not_be_read_nothing_else_is_told(
+    text: str, expected: list[str]
+) -> None:
+    assert [shown(fault) for fault in faults_of(text)] == expected
+
+
 def test_mistakes_of_form_are_reported_at_once() -> None:
     with pytest.raises(UserError) as raised:
         read_mission_text(

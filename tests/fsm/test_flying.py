@@ -48,6 +48,8 @@ def warnings(text: str) -> list[str]:
         (states("rise: {do: rise, on: {done: end}}", "end: {type: final}"), ["2:31 ends-in-air"]),
         (states() + RISE + "  go: {do: go, on: {done: {}, blocked: land}, after: {9 s: end}}\n" + LAND, ["3:60 ends-in-air"]),
         (states() + RISE + "  go: {on: {done: end}, states: {a: {do: go, on: {done: b, blocked: land}}, b: {type: final}}}\n" + LAND, ["3:19 ends-in-air"]),
+        # what is only advice changes nothing
+        (states() + RISE + "  go: {do: go, on: {done: land, blocked: land, battery.low: end}}\n" + LAND, ["3:61 ends-in-air"]),
         # landings without end
         (states("rise: {do: rise, on: {done: land, failed: end}}", "land: {do: settle, on: {done: rise}}", "end: {type: final}"), ["3:3 endless-landings"]),
         (states("rise: {do: rise, on: {done: go}}", "go: {do: go, on: {done: land, blocked: land, operator.abort: end}}", "land: {do: settle, on: {done: rest}}", "rest: {after: {9 s: rise}}", "end: {type: final}"), ["4:3 endless-landings"]),

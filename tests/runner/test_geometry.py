@@ -107,7 +107,9 @@ def test_an_end_inside_a_thing_is_into_it() -> None:
     assert "into the box 'wall'" in checked(to("[0, 12, 1]"), "yard").faults[0].message
 
 
-@pytest.mark.parametrize(("height", "distance"), [(2.3, "0.30"), (2.45, "0.45"), (2.55, None)])
+@pytest.mark.parametrize(
+    ("height", "distance"), [(2.3, "0.30"), (2.45, "0.45"), (2.498, "0.49"), (2.55, None)]
+)
 def test_a_leg_that_passes_nearer_than_the_clearance_is_told_with_the_distance(
     height: float, distance: str | None
 ) -> None:

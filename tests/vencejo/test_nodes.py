@@ -155,6 +155,10 @@ def test_files(tmp_path: Path) -> None:
     latin.write_bytes("a: é\nb: caf".encode() + b"\xe9\n")
     utf16 = tmp_path / "utf16.yaml"
     utf16.write_text("a: 1\n", "utf-16")
+    utf32 = tmp_path / "utf32.yaml"
+    utf32.write_text("a: 1\n", "utf-32")
+    windows = tmp_path / "windows.yaml"
+    windows.write_bytes("a: “b”\n".encode("cp1252"))
     large = tmp_path / "large.yaml"
     large.write_bytes(b"#" * (MAX_BYTES + 1))
     for path, code, where, hint in (
@@ -162,6 +166,8 @@ def test_files(tmp_path: Path) -> None:
         (tmp_path, "not-a-file", "shown", "name a .yaml file inside it"),
         (latin, "not-text", "shown:2:7", "save it as UTF-8; in Latin-1 this would be 'é'"),
         (utf16, "not-text", "shown:1:1", "save it as UTF-8"),
+        (utf32, "not-text", "shown:1:1", "save it as UTF-8"),
+        (windows, "not-text", "shown:1:4", "save it as UTF-8; in Windows-1252 this would be '“'"),
         (large, "too-large", "shown", None),
     ):
         with pytest.raises(UserError) as raised:
