@@ -319,6 +319,11 @@ def test_wrong_indentation_is_one_fault_with_its_cure(
     [
         ("states:\n  a: {states: [{b: {}}], on: {done: c}}\n  c: {type: final}\n", ["2:15 wrong-type"]),
         ("states:\n  a: {type: parallel, states: [{b: {}}], on: {done: c}}\n  c: {type: final}\n", ["2:31 wrong-type"]),
+        ("states:\n  a: {on: {operator.abort: b}}\n  b: {typ: final}\n", ["3:7 unknown-key"]),
+        ("states:\n  a: {on: {operator.abort: b}}\n  b: {type: finl}\n", ["3:13 unknown-word"]),
+        ("states:\n  a: {on: {operator.abort: b}}\n  b: {type: last}\n", ["3:13 unknown-word"]),
+        ("states:\n  a: {type: paralel, states: {x: {states: {b: {type: final}}}}, on: {done: c}}\n  c: {type: final}\n",
+         ["2:13 unknown-word"]),
         ("states:\n  a: do wait\n  c: [{do: wait}]\n", ["2:6 wrong-type", "3:6 wrong-type"]),
     ],
 )  # fmt: skip
