@@ -3,7 +3,8 @@
 Each state gets the set of what may be so while it is active: the vehicle stands on the ground, it
 flies, or that is not known. This follows the behaviours: one that takes off, one that ends landed.
 Guards are taken to pass. Where a person, a fault or a condition on the vehicle may have changed it
-(an urgent event, `failed`, `vehicle.flying`) it is not known, so that none is warned of wrongly.
+(an urgent event that is more than advice, `failed`, `vehicle.flying`) it is not known, so that none
+is warned of wrongly.
 """
 
 from __future__ import annotations

@@ -62,11 +62,12 @@ def hears(graph: Graph, event: str) -> bool:
 
 
 def _unheard(graph: Graph, message: Message, who: str) -> Fault:
-    heard = [name for node in graph.nodes for name, _ in node.on if "." in name]
+    heard = {name for node in graph.nodes for name, _ in node.on if "." in name}
+    known = heard | graph.events.keys() - {message.event}
     return Fault(
         "unheard-event",
         f"{who} '{message.event}'",
         message.where,
-        nearest(message.event, heard, f"on: {{{message.event}: …}}"),
+        nearest(message.event, known, f"on: {{{message.event}: …}}"),
         "warning",
     )

@@ -88,6 +88,11 @@ def _is_key_of_transition(_: Scalar, key: Scalar, value: YamlNode) -> bool:
     return key.text in keys.AT["transition"]
 
 
+def _misspelt(node: Mapping, key: str, allowed: Iterable[str]) -> YamlNode | None:
+    """The value of what stands in a map in place of a key; None where nothing does."""
+    return next((value for word, value in node if certain(word.text, allowed) == key), None)
+
+
 def _looks_like_state(value: YamlNode) -> bool:
     return isinstance(value, Mapping) and any(
         key.text in ("do", "on", "states") for key, _ in value
@@ -185,9 +190,12 @@ class _Reader:
         root = depth == 0
         if depth > MAX_STATE_DEPTH:
             raise UserError("too-deep", f"states nest at most {MAX_STATE_DEPTH} deep", where)
-        type_node = node.get("type")
+        type_node = node.get("type") or _misspelt(node, "type", keys.AT["state"])
         options = _ROOT_TYPES if root else _TYPE.kind.options
         declared = self.choice(type_node, _TYPE, options) if type_node else None
+        if declared is None and isinstance(type_node, Scalar):
+            declared = certain(type_node.text, options)
+        unclear = type_node is not None and declared is None
         type_ = cast(StateType, declared or self.usual_type(node))
         if not root:
             allowed = _ALLOWED.get(type_, keys.AT["state"])
@@ -200,7 +208,7 @@ class _Reader:
         self.refuse_combinations(node)
         before = self.faults.errors
         triggers = self.triggers(node)
-        flawed = flawed or self.faults.errors > before
+        flawed = flawed or unclear or self.faults.errors > before
         target = node.get("target") if type_ == "history" else None
         return StateSpec(
             name=name,

@@ -214,6 +214,7 @@ CASES: list[tuple[str, str, list[str], str]] = [
     ("the same condition the other way round", A % "when: {vehicle.altitude >= 3 m and vehicle.battery > 5 %: out, 3 m <= vehicle.altitude and 5 % < vehicle.battery: end}", ["2:70 same-condition"], ""),
     ("the same guard twice", on("link.lost: [{guard: event.age > 2 s, target: out}, {guard: event.age>2 s, target: end}]"), ["2:92 same-condition"], "never reached"),
     ("an event nobody hears", "events: {go.now: {}}\n" + A % "on: {operator.abort: out, go.now: out}, entry: {raise: goo.now}", ["3:62 unheard-event"], "'go.now'"),
+    ("an event of the host, misspelt", A % "on: {operator.abort: out}, exit: {raise: battry.low}", ["2:48 unheard-event"], "'battery.low'"),
     ("an event with fields nobody hears", A % "on: {operator.abort: out}, exit: {raise: {my.own: {n: 1}}}", ["2:49 unheard-event"], "on: {my.own"),
     ("a sent event nobody hears", on("link.lost: {actions: {send: {event: my.own, delay: 2 s}}}"), ["2:69 unheard-event"], ""),
     ("an unknown id", A % "on: {operator.abort: out, my.own: out}, entry: {send: {event: my.own, id: tick}}, exit: {cancel: tikc}", ["2:104 unknown-id"], "'tick'"),
@@ -319,6 +320,11 @@ def test_wrong_indentation_is_one_fault_with_its_cure(
     [
         ("states:\n  a: {states: [{b: {}}], on: {done: c}}\n  c: {type: final}\n", ["2:15 wrong-type"]),
         ("states:\n  a: {type: parallel, states: [{b: {}}], on: {done: c}}\n  c: {type: final}\n", ["2:31 wrong-type"]),
+        ("states:\n  a: {on: {operator.abort: b}}\n  b: {typ: final}\n", ["3:7 unknown-key"]),
+        ("states:\n  a: {on: {operator.abort: b}}\n  b: {type: finl}\n", ["3:13 unknown-word"]),
+        ("states:\n  a: {on: {operator.abort: b}}\n  b: {type: last}\n", ["3:13 unknown-word"]),
+        ("states:\n  a: {type: paralel, states: {x: {states: {b: {type: final}}}}, on: {done: c}}\n  c: {type: final}\n",
+         ["2:13 unknown-word"]),
         ("states:\n  a: do wait\n  c: [{do: wait}]\n", ["2:6 wrong-type", "3:6 wrong-type"]),
     ],
 )  # fmt: skip
