@@ -307,28 +307,38 @@ def cameras(
 ) -> dict[str, dict[str, int | float] | None]:
     """``name:640x480@30`` of a repeated option: resolution and rate by camera, or ``name:off``.
 
-    Of a camera named twice the later counts, where they differ.
+    A camera may be named twice for two different settings.
     """
     found: dict[str, dict[str, int | float] | None] = {}
     for value in values:
-        if value.endswith(":off"):
-            found[value.removesuffix(":off")] = None
-            continue
-        match = _CAMERA.fullmatch(value)
-        if match is None:
-            raise click.BadParameter(
-                f"'{value}' is not NAME:WIDTHxHEIGHT@RATE; for instance front:640x480@30",
-                ctx=ctx,
-                param=param,
-            )
-        name, width, height, rate = match.groups()
-        settings: dict[str, int | float] = {}
-        if width:
-            settings |= {"width": int(width), "height": int(height)}
-        if rate:
-            settings["rate"] = float(rate)
-        found[name] = (found.get(name) or {}) | settings
+        name, settings = _camera(ctx, param, value)
+        before = found.get(name, {})
+        if name in found and (before is None or settings is None or before.keys() & settings):
+            raise click.BadParameter(f"the camera '{name}' is set twice", ctx=ctx, param=param)
+        found[name] = None if settings is None else {**(before or {}), **settings}
     return found
+
+
+def _camera(
+    ctx: click.Context, param: click.Parameter, value: str
+) -> tuple[str, dict[str, int | float] | None]:
+    """The name of a camera, and its settings; None for ``off``."""
+    if value.endswith(":off"):
+        return value.removesuffix(":off"), None
+    match = _CAMERA.fullmatch(value)
+    if match is None:
+        raise click.BadParameter(
+            f"'{value}' is not NAME:WIDTHxHEIGHT@RATE; for instance front:640x480@30",
+            ctx=ctx,
+            param=param,
+        )
+    name, width, height, rate = match.groups()
+    settings: dict[str, int | float] = {}
+    if width:
+        settings |= {"width": int(width), "height": int(height)}
+    if rate:
+        settings["rate"] = float(rate)
+    return name, settings
 
 
 class Viewpoint(_AsWritten):

@@ -94,6 +94,9 @@ def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
     }
 
 
+TWICE = ("--camera", "front:64x48@10", "--camera")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -108,6 +111,8 @@ def test_a_camera_named_twice_has_what_was_said_of_it_both_times() -> None:
         (("worlds", "yard", "--gui"), "there is no display"),
         (("worlds", "yard", "--render", "x.png", "--json"), "exclude one another"),
         (("run", "first_flight", "--camera", "front:640"), "is not NAME:WIDTHxHEIGHT@RATE"),
+        (("run", "first_flight", *TWICE, "front:off"), "the camera 'front' is set twice"),
+        (("run", "first_flight", *TWICE, "front@5"), "the camera 'front' is set twice"),
         (("run", "first_flight", "--camera", "front@1000"), "has a rate of 1000"),
         (("run", "first_flight", "--renderer", "tny"), "did you mean 'tiny'?"),
         (("worlds", "yard", "--renderer", "gl"), "'gl' is none of egl, raster, tiny"),
