@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from math import radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -28,6 +29,12 @@ IMAGES = Path(__file__).parent / "images"
 MOMENT = 11.0
 """Second of the flight that the live view is shown at."""
 SPEED = 2.0
+VIEWS = {
+    "beacons": (-4.5, -6.5, 3.2, radians(55)),
+    "empty": (-1.0, -1.2, 0.5, radians(50)),
+    "search_field": (8.5, 16.5, 1.9, radians(40)),
+}
+"""Places from which worlds are shown whose things are small, and the heading there, radians."""
 
 
 class _Snapshot:
@@ -60,7 +67,7 @@ def draw_worlds() -> None:
     (IMAGES / "worlds").mkdir(exist_ok=True)
     for name in world_names():
         path = IMAGES / "worlds" / f"{name}.jpg"
-        render(find_world(name), path)
+        render(find_world(name), path, at=VIEWS.get(name), shadows=True)
         small = cv2.resize(cv2.imread(str(path)), (480, 360), interpolation=cv2.INTER_AREA)
         cv2.imwrite(str(path), small, [cv2.IMWRITE_JPEG_QUALITY, 88])
 
