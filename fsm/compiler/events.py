@@ -50,10 +50,8 @@ def parse_event(
     if body is not None:
         node = read_text(f"fields: {body}", str(place)).entries[0][1]
     context = Context(Scope(warnings=found), graph.places, graph.vocabulary.places)
-    if declared or not graph.scxml:
-        fields = MapOf(declared, frozenset(declared) - optional)
-    else:
-        fields = MapOf()
+    # An event declared without fields may have any, as where it is sent.
+    fields = MapOf(declared, frozenset(declared) - optional) if declared else MapOf()
     try:
         values: Mapping[str, Any] = constant_value(node, fields, context).value()
     except UserError as error:
