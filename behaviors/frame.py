@@ -132,6 +132,11 @@ class MissionFrame:
         """A point of the world frame before any jump, which is what people write down."""
         return self.from_world(point.plus(self.origin_shift))
 
+    def located(self, type_: Type, given: Any) -> Any:
+        """The value of a parameter; the point of a place of the world if it names one."""
+        named = type_ == POINT and isinstance(given, str) and given in self.places
+        return self.from_world(self.places[given]) if named else given
+
     def heading(self, given: Any, start: Pose) -> Heading:
         """The heading of a value as missions write it. Raises as :meth:`point` does."""
         if isinstance(given, Mapping):

@@ -27,7 +27,6 @@ from fsm.host import BehaviorInfo
 from fsm.values.functions import EvaluationError
 from fsm.values.intake import copied
 from fsm.values.packing import pack, unpack
-from fsm.values.types import POINT
 from hal.orders import Order
 from hal.vehicle import PERIOD, Hold, Observation, Position, Setpoint, Vehicle
 from vencejo.errors import UserError, VehicleError
@@ -109,16 +108,13 @@ class Pilot:
 
     def _located(self, graph: Graph, given: Mapping[str, Any]) -> dict[str, Any]:
         """The given parameters, and each that names a place of the world as the point of that."""
-        frame = self.channel.frame
-        values = {name: given.get(name, p.default) for name, p in graph.parameters.items()}
-        places = {
-            name: frame.from_world(frame.places[value])
-            for name, value in values.items()
-            if graph.parameters[name].type == POINT
-            and isinstance(value, str)
-            and value in frame.places
-        }
-        return {**given, **places}
+        found = dict(given)
+        for name, parameter in graph.parameters.items():
+            value = given.get(name, parameter.default)
+            located = self.channel.frame.located(parameter.type, value)
+            if located is not value:
+                found[name] = located
+        return found
 
     def _require(self, graph: Graph) -> None:
         """Refuse a mission that needs more than this vehicle can do. Raises UserError."""

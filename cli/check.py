@@ -20,7 +20,8 @@ from cli.options import (
     MissionName,
     WorldName,
     call_limit_option,
-    limits,
+    limit_option,
+    noise_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
@@ -72,14 +73,7 @@ class Report:
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
 @click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
-@click.option(
-    "--limit",
-    "limit_settings",
-    multiple=True,
-    callback=limits,
-    metavar="NAME=VALUE|PROFILE",
-    help="Check against limits of flight, as for `run`. Repeatable.",
-)
+@limit_option("Check against limits of flight, as for `run`. Repeatable.")
 @click.option(
     "--clearance",
     type=Length(),
@@ -94,13 +88,7 @@ class Report:
     metavar="N",
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
-@click.option(
-    "--noise",
-    type=click.FloatRange(0, 10),
-    default=0.0,
-    show_default=True,
-    help="Disturb the commands of these flights, as for `run`.",
-)
+@noise_option("Disturb the commands of these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import inf, isfinite, pi
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 from click.shell_completion import CompletionItem
@@ -18,6 +18,8 @@ from hal.renderers import renderer_names
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, YamlNode
 from vencejo.units import LENGTH, TIME, read_quantity
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 class _AsWritten(click.ParamType):  # type: ignore[type-arg]
@@ -300,6 +302,25 @@ def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) 
 
 
 _CAMERA = re.compile(r"([a-z_]\w*)(?::(\d+)x(\d+))?(?:@(\d+(?:\.\d+)?))?")
+
+
+def limit_option(text: str) -> Callable[[F], F]:
+    """The option ``--limit``, with its help."""
+    return click.option(
+        "--limit",
+        "limit_settings",
+        multiple=True,
+        callback=limits,
+        metavar="NAME=VALUE|PROFILE",
+        help=text,
+    )
+
+
+def noise_option(text: str) -> Callable[[F], F]:
+    """The option ``--noise``, with its help."""
+    return click.option(
+        "--noise", type=click.FloatRange(0, 10), default=0.0, show_default=True, help=text
+    )
 
 
 def cameras(

@@ -24,7 +24,8 @@ from cli.options import (
     call_limit_option,
     cameras,
     complete_parameter,
-    limits,
+    limit_option,
+    noise_option,
     renderer_option,
     shadows_option,
 )
@@ -80,14 +81,9 @@ if TYPE_CHECKING:
     metavar="NAME=VALUE",
     help="Set a parameter of the mission, for instance -p altitude=3m. Repeatable.",
 )
-@click.option(
-    "--limit",
-    "limit_settings",
-    multiple=True,
-    callback=limits,
-    metavar="NAME=VALUE|PROFILE",
-    help="Limit the flight, for instance --limit max_altitude=2.5m (above home), or by a profile "
-    "of the vehicle: --limit indoor. Repeatable.",
+@limit_option(
+    "Limit the flight, for instance --limit max_altitude=2.5m (above home), or by a profile of the "
+    "vehicle: --limit indoor. Repeatable."
 )
 @click.option(
     "--seed", type=int, default=0, show_default=True, help="Every random draw comes from it."
@@ -99,13 +95,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Times real time, or max. For the simulator.",
 )
-@click.option(
-    "--noise",
-    type=click.FloatRange(0, 10),
-    default=0.0,
-    show_default=True,
-    help="Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.",
-)
+@noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
 @click.option(
     "--camera",
     "wanted_cameras",

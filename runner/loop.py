@@ -10,6 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
+from pathlib import PurePosixPath
 from platform import python_version
 from typing import Protocol
 
@@ -21,7 +22,7 @@ from hal import Options, Session, open_backend
 from hal.vehicle import PERIODS_PER_SECOND
 from runner.call_limit import CallLimit
 from runner.course import Entered, collisions, entered
-from runner.kept_files import KeptFiles, file_hash, kept_files
+from runner.kept_files import KeptFiles, kept_files
 from runner.pace import Pace
 from runner.plan import Assignment, Plan
 from runner.posts import Post
@@ -334,9 +335,13 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
 
 def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) -> Header:
     # What a backend does not give back is kept as it was given.
+    hashes = files.hashes()
     unlisted = {n: value for n, value in plan.settings.items() if n not in session.settings}
     return Header(
-        missions={name: _facts(flown) for name, flown in plan.assignments.items()},
+        missions={
+            name: _facts(flown, PurePosixPath(files.missions[name]), hashes)
+            for name, flown in plan.assignments.items()
+        },
         world=plan.world.name,
         world_sha256=plan.world.sha256,
         seed=plan.seed,
@@ -349,7 +354,7 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
                 for name, flown in plan.assignments.items()
             },
             world=files.world,
-            files=files.hashes(),
+            files=hashes,
             backend=plan.backend,
             seed=plan.seed,
             connect=plan.address,
@@ -363,16 +368,15 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
     )
 
 
-def _facts(assignment: Assignment) -> MissionFacts:
+def _facts(assignment: Assignment, kept: PurePosixPath, hashes: Mapping[str, str]) -> MissionFacts:
+    """``kept``: the path of the mission's copy; its other files keep their places beside it."""
     first, *others = assignment.prepared.files
+    beside = [file.relative_to(first.parent).as_posix() for file in others]
     return MissionFacts(
         name=assignment.prepared.graph.name,
-        sha256=file_hash(first.read_bytes()),
+        sha256=hashes[str(kept)],
         parameters=assignment.all_parameters,
-        files={
-            file.relative_to(first.parent).as_posix(): file_hash(file.read_bytes())
-            for file in others
-        },
+        files={name: hashes[str(kept.parent / name)] for name in beside},
     )
 
 

@@ -30,7 +30,6 @@ from fsm.expressions.compiled import Compiled
 from fsm.expressions.scope import CONFIGURATION_SLOT, PERIOD_SLOT
 from fsm.host import PERIOD, BehaviorInfo
 from fsm.values.functions import FAILURES
-from fsm.values.types import POINT
 from runner.planned_moment import (
     Actions,
     Moment,
@@ -162,8 +161,7 @@ class _Walk:
         for name, slot in graph.parameter_slots.items():
             parameter = graph.parameters[name]
             value = parameters.get(name, UNKNOWN if parameter.required else parameter.default)
-            named = parameter.type == POINT and isinstance(value, str) and value in frame.places
-            values[slot] = frame.from_world(frame.places[value]) if named else value
+            values[slot] = frame.located(parameter.type, value)
         place = Place((Point(0.0, 0.0, 0.0),), self.setting.yaw, False)
         moment = Moment((), values, place, Way(None, ()))
         root = graph.root

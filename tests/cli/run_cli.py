@@ -10,6 +10,18 @@ from unittest.mock import patch
 
 from cli.main import main
 
+WALL = """\
+mission: wall
+world: yard
+states:
+  up: {do: takeoff, with: {altitude: 1 m}, on: {done: shed}}
+  shed: {do: goto, with: {to: [6, 2, 1]}, on: {done: home, blocked: home}}
+  home: {do: goto, with: {to: [0, 0, 1]}, on: {done: land, blocked: land}}
+  land: {do: land, on: {done: gave_up}}
+  gave_up: {type: final, outcome: gave_up}
+"""
+"""A mission that runs into the shed of the yard, and gives up."""
+
 
 @dataclass(frozen=True)
 class Result:

@@ -22,6 +22,7 @@ from cli.live_view import TWO_COLUMNS, LiveView
 from cli.screen import Screen
 from fsm.engine.instance import Record
 from runner import Plan, fly, missions, prepare
+from tests.cli.run_cli import WALL
 from tests.cli.terminal import Terminal
 from vencejo import VehicleError
 
@@ -139,18 +140,6 @@ def test_no_debris_after_resizing() -> None:
         fly(plan, None, [watched])
     assert not watched.looks
     assert "✔ ended in 'done'" in "\n".join(terminal.lines)
-
-
-WALL = """\
-mission: wall
-world: yard
-states:
-  up: {do: takeoff, with: {altitude: 1 m}, on: {done: shed}}
-  shed: {do: goto, with: {to: [6, 2, 1]}, on: {done: home, blocked: home}}
-  home: {do: goto, with: {to: [0, 0, 1]}, on: {done: land, blocked: land}}
-  land: {do: land, on: {done: gave_up}}
-  gave_up: {type: final, outcome: gave_up}
-"""
 
 
 @pytest.mark.parametrize(("columns", "rows"), SIZES)

@@ -10,7 +10,7 @@ import pytest
 from hal import Options, Session
 from hal.backends import not_heard
 from runner.telemetry import COLUMNS
-from tests.cli.run_cli import run_cli
+from tests.cli.run_cli import WALL, run_cli
 
 Write = Callable[[str, str], str]
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -283,16 +283,6 @@ def test_bad_arguments_are_explained_and_nothing_flies(case: str, hop: str) -> N
     assert not Path("runs").exists()
 
 
-WALL = """\
-mission: wall
-world: yard
-states:
-  up: {do: takeoff, with: {altitude: 1 m}, on: {done: shed}}
-  shed: {do: goto, with: {to: [6, 2, 1]}, on: {done: home, blocked: home}}
-  home: {do: goto, with: {to: [0, 0, 1]}, on: {done: land, blocked: land}}
-  land: {do: land, on: {done: gave_up}}
-  gave_up: {type: final, outcome: gave_up}
-"""
 RED, PLAIN = "\x1b[31m", "\x1b[0m"
 
 
