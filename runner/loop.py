@@ -18,7 +18,7 @@ from behaviors import Calls, MissionFrame, Pilot
 from behaviors.host_functions import set_limits
 from fsm.engine.instance import Record
 from fsm.values.functions import EvaluationError
-from hal import Options, Session, open_backend
+from hal import Options, Session, VehicleSpec, open_backend
 from hal.vehicle import PERIODS_PER_SECOND
 from runner.call_limit import CallLimit
 from runner.course import Entered, collisions, entered
@@ -283,7 +283,7 @@ def fly(
     """
     limit = limit or CallLimit(None)
     options = Options(
-        vehicles=tuple(plan.assignments),
+        vehicles=tuple(map(VehicleSpec, plan.assignments)),
         world=plan.world_word,
         seed=plan.seed,
         address=plan.address,

@@ -210,7 +210,7 @@ class Eventful(FakeSession):
     """Something happens to it once, so many seconds after the start."""
 
     def __init__(self, options: Options, at: float, incident: Incident) -> None:
-        super().__init__(options.vehicles, options=options)
+        super().__init__((each.name for each in options.vehicles), options=options)
         self._at, self._incident = round(at * 40), incident
 
     def wait(self) -> float:
