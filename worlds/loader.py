@@ -17,7 +17,7 @@ from worlds import roads
 from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
 from worlds.fence import FENCE
 from worlds.kinds import BEACON, KINDS
-from worlds.starts import PlannedStart, bad_starts, starts_outside
+from worlds.starts import PlannedStart, bad_starts, overlapping, starts_outside
 from worlds.terrain import place_of
 from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
 from worlds.world import Start, World
@@ -98,6 +98,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         for where, spot, heading in written
     ]
     faults.extend(bad_starts(starts, things, terrain))
+    faults.extend(overlapping(starts))
     faults.extend(starts_outside(starts, keys.get("fence")))
     if faults:
         raise UserError.of(sorted(faults, key=lambda fault: fault.where or root.where))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
-from vencejo.errors import Fault, Where
+from vencejo.errors import Fault, Severity, Where
 from vencejo.geometry import Point, horizontal_distance
 from worlds.fence import surrounds
 from worlds.solids import START_CLEARANCE, thing_near, top_of
@@ -53,7 +53,7 @@ def _beside(start: Start, terrain: Terrain | None) -> Start:
 def bad_starts(
     planned: Sequence[PlannedStart], things: Sequence[Thing], terrain: Terrain | None
 ) -> Iterator[Fault]:
-    """Faults for starts in things, in the ground or in each other."""
+    """Faults for starts in things or in the ground."""
     for start, where, who in planned:
         ground = height_at(terrain, start.at.x, start.at.y)
         thing = thing_near(things, start.at)
@@ -72,16 +72,27 @@ def bad_starts(
                 where,
                 "leave z out to start on the ground",
             )
+
+
+def overlapping(
+    planned: Sequence[PlannedStart],
+    apart: float = 2 * START_CLEARANCE,
+    height: float = START_CLEARANCE,
+    severity: Severity = "error",
+) -> Iterator[Fault]:
+    """Faults for starts that are nearer to each other than ``apart`` on the map and ``height`` up,
+    metres.
+    """
     for one, other in combinations(planned, 2):
         a, b = one.start.at, other.start.at
-        near = horizontal_distance(a, b) < 2 * START_CLEARANCE
-        if near and abs(a.z - b.z) < START_CLEARANCE:
+        if horizontal_distance(a, b) < apart and abs(a.z - b.z) < height:
             earlier = one.who if one.who != other.who else "another"
             yield Fault(
                 "starts-overlap",
-                f"{other.who} would start in the place of {earlier}",
+                f"{other.who} would start {horizontal_distance(a, b):.2g} m from {earlier}",
                 other.where or one.where,
-                f"starts lie {2 * START_CLEARANCE:g} m apart or more",
+                f"starts lie {apart:g} m apart or more",
+                severity,
             )
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from hal.vehicle import VehicleSpec
 from vencejo.errors import UserError
 from vencejo.geometry import Point
-from worlds.starts import PlannedStart, bad_starts, starts_for
+from worlds.starts import PlannedStart, bad_starts, overlapping, starts_for
 from worlds.terrain import highest_under
 from worlds.things import Terrain
 from worlds.world import World
@@ -41,6 +41,7 @@ def start_poses(
     ]
     terrain = world.ground.terrain
     faults = list(bad_starts(planned, world.things, terrain))
+    faults += overlapping(planned, max(size[:2]), size[2])
     if faults:
         raise UserError.of(faults)
     return [

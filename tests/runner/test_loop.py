@@ -147,7 +147,7 @@ def test_all_done_is_a_success_and_equal_runs_give_equal_bytes(tmp_path: Path) -
         (tmp_path / name).mkdir()
         summary = fly(plan, lambda name=name: Recorder(tmp_path / name))  # type: ignore[misc]
         assert summary.exit_code == 0
-    for name in ("events.jsonl", "telemetry.csv"):
+    for name in ("events.jsonl", "telemetry/cat.csv", "telemetry/mouse.csv"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
