@@ -26,14 +26,12 @@ from cli.options import (
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
-from fsm.language.reader import FLEET
 from hal import backend_capabilities, flight_model
 from runner import missions
 from runner.call_limit import CallLimit
-from runner.fleets import PreparedFleet, prepare_fleet
+from runner.fleets import PreparedFleet, check_ways, prepare_any
 from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.plan import Plan, starts_of
-from runner.preparation import prepare
+from runner.plan import Plan
 from runner.trial_flights import Trial, fly_trials
 from vencejo.errors import Fault, UserError
 
@@ -165,40 +163,27 @@ def _flown(
 
 def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
     try:
-        prepared = prepare(missions.find(mission), world, code=code, calls=calls)
+        prepared = prepare_any(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
-        if error.code != FLEET:
-            return Report(mission, error.faults)
-    else:
-        graph = prepared.graph
-        findings = check_geometry(graph, prepared.world, terms, calls=calls)
-        told = (*graph.warnings, *findings.faults)
-        return Report(mission, told, (graph,), plan=Plan.alone(prepared), findings=findings)
-    try:
-        fleet = prepare_fleet(missions.find(mission), world, code=code, calls=calls)
-    except UserError as error:
-        return Report(mission, error.faults, fleet=True)
-    return _fleet_report(mission, fleet, terms, calls)
+        return Report(mission, error.faults)
+    if isinstance(prepared, PreparedFleet):
+        return _fleet_report(mission, prepared, terms, calls)
+    graph = prepared.graph
+    findings = check_geometry(graph, prepared.world, terms, calls=calls)
+    told = (*graph.warnings, *findings.faults)
+    return Report(mission, told, (graph,), plan=Plan.alone(prepared), findings=findings)
 
 
 def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls) -> Report:
-    assignments, faults = fleet.assignments, list(fleet.faults)
-    unknown, moving, complete = list[str](), list[str](), True
-    for name, start in starts_of(assignments).items():
-        flown = assignments[name]
-        graph, world, values = flown.prepared.graph, flown.prepared.world, flown.parameters
-        found = check_geometry(graph, world, terms, values, calls, start)
-        faults += found.faults
-        unknown += [f"{name}: {state}" for state in found.unknown]
-        moving += found.moving
-        complete = complete and found.complete
+    assignments = fleet.assignments
+    findings = check_ways(assignments, terms, calls)
     return Report(
         mission,
-        tuple(dict.fromkeys(faults)),
+        tuple(dict.fromkeys((*fleet.faults, *findings.faults))),
         tuple(each.prepared.graph for each in assignments.values() if not each.stands),
         fleet=True,
         plan=Plan(assignments, fleet=fleet.fleet) if fleet.may_fly else None,
-        findings=Findings((), tuple(unknown), tuple(dict.fromkeys(moving)), complete),
+        findings=findings,
     )
 
 

@@ -34,21 +34,19 @@ from cli.signals import Interrupts
 from cli.user_code import user_code
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from fsm.language.reader import FLEET
 from hal import backend_names, flight_model
 from runner import missions
 from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
 from runner.by_vehicle import ALONE
 from runner.camera_file import joined, read_camera_file
-from runner.fleets import prepare_fleet, with_parameters
-from runner.geometry import Terms, check_geometry
+from runner.fleets import PreparedFleet, check_ways, prepare_any, with_parameters
+from runner.geometry import Terms
 from runner.loop import Watcher, fly
 from runner.missions import Found
 from runner.pace import Pace
 from runner.plan import Assignment, Fleet, Plan
 from runner.posts import parse_posts
-from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
@@ -259,30 +257,21 @@ def _assignments(
     """What each vehicle flies, and what joins those of a fleet; all warnings are added to
     ``doubtful``.
     """
-    try:
-        prepared = prepare(found, world, calls=calls)
-    except UserError as error:
-        if error.code != FLEET:
-            raise
-    else:
-        doubtful.extend(prepared.graph.warnings)
-        values = parse_parameters(prepared.graph, parameters, doubtful)
-        return {ALONE: Assignment(prepared, values)}, None
-    fleet = prepare_fleet(found, world, calls=calls)
-    fleet.require()
-    doubtful.extend(fleet.faults)
-    return with_parameters(fleet.assignments, parameters, doubtful), fleet.fleet
+    prepared = prepare_any(found, world, calls=calls)
+    if isinstance(prepared, PreparedFleet):
+        prepared.require()
+        doubtful.extend(prepared.faults)
+        return with_parameters(prepared.assignments, parameters, doubtful), prepared.fleet
+    doubtful.extend(prepared.graph.warnings)
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    return {ALONE: Assignment(prepared, values)}, None
 
 
 def _warn_of_ways(plan: Plan, limit_settings: LimitSettings, calls: Calls) -> None:
     """Show what the possible ways of missions meet in their world."""
     model = flight_model(plan.backend)
-    terms, starts = Terms(model, limit_settings.on(model)), plan.starts
-    faults: list[Fault] = []
-    for name, flown in plan.assignments.items():
-        graph, values = flown.prepared.graph, flown.parameters
-        faults += check_geometry(graph, plan.world, terms, values, calls, starts[name]).faults
-    for fault in dict.fromkeys(faults):
+    terms = Terms(model, limit_settings.on(model))
+    for fault in check_ways(plan.assignments, terms, calls).faults:
         click.echo(str(fault), err=True)
 
 
