@@ -369,7 +369,9 @@ def _watchers(
 
     # Elsewhere the world's things do not stand where its file says.
     world = plan.world if plan.backend == "sim" else None
-    return [stack.enter_context(LiveView(console, world, speed)), _Reader(out, stops)]
+    fleet, vehicles = plan.fleet.name if plan.fleet else "", list(plan.assignments)
+    live = LiveView(console, world, speed, fleet=fleet, vehicles=vehicles)
+    return [stack.enter_context(live), _Reader(out, stops)]
 
 
 def _console(out: Output) -> Console:
