@@ -216,24 +216,46 @@ def as_used(file: Path) -> tuple[Scalar, Path]:
 def complete_parameter(
     ctx: click.Context, param: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """``name=`` of the parameters of the mission that the command line names."""
-    from fsm import read_mission
-    from fsm.faults import Faults
-    from runner.missions import find
-
+    """``name=`` of the parameters of the mission that the command line names; ``vehicle.name=`` of
+    a fleet.
+    """
     # Click leaves the arguments where they are while the value of an option is missing.
     mission = ctx.params.get("mission") or next(iter(ctx.args), "")
     try:
-        found = find(mission)
-        # The mission may have mistakes elsewhere.
-        parameters = read_mission(found.path, found.shown_as, Faults()).parameters
+        parameters = _parameters_of(mission)
     except UserError:
         return []
     return [
-        CompletionItem(f"{parameter.name.text}=", help=_told_of(parameter.node))
-        for parameter in parameters
-        if parameter.name.text.startswith(incomplete)
+        CompletionItem(f"{name}=", help=_told_of(node))
+        for name, node in parameters.items()
+        if name.startswith(incomplete)
     ]
+
+
+def _parameters_of(mission: str) -> dict[str, YamlNode]:
+    """The parameters of a mission, or of a fleet's vehicles, as they are declared. Raises UserError
+    where it cannot be read; it may have mistakes elsewhere.
+    """
+    from fsm import read_mission
+    from fsm.faults import Faults
+    from fsm.fleet import read_fleet
+    from fsm.language.reader import FLEET
+    from runner.missions import find
+
+    found = find(mission)
+    try:
+        spec = read_mission(found.path, found.shown_as, Faults())
+    except UserError as error:
+        if error.code != FLEET:
+            raise
+    else:
+        return {parameter.name.text: parameter.node for parameter in spec.parameters}
+    fleet, _ = read_fleet(found.path, found.shown_as)
+    return {
+        f"{member.name.text}.{parameter.name.text}": parameter.node
+        for member in fleet.members
+        for parameter in (member.spec.parameters if member.spec else ())
+    }
 
 
 def _told_of(node: YamlNode) -> str:

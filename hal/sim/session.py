@@ -57,7 +57,8 @@ class SimSession:
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
         self._count = 0
         self._all: list[SimVehicle] = []
-        for name, start in zip(options.vehicles, starts, strict=True):
+        for spec, start in zip(options.vehicles, starts, strict=True):
+            name = spec.name
             dynamics = Dynamics(name, physics, model, settings.physics, start)
             vehicle = SimVehicle(
                 name,
@@ -74,10 +75,12 @@ class SimSession:
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle in self._all:
+        for vehicle, spec in zip(self._all, options.vehicles, strict=True):
             name = vehicle.name
             context.pose_histories[name] = vehicle.dynamics.pose_history
-            context.appearances[name] = quadrotor(name, arm=model.rotors.arm, size=model.size)
+            context.appearances[name] = quadrotor(
+                name, arm=model.rotors.arm, size=model.size, color=spec.color
+            )
             context.lamps[name] = vehicle.lamps
             if not alone:
                 height = model.size[2]
