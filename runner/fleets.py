@@ -112,11 +112,16 @@ def prepare_fleet(
     place = find_world(word, where), word
     peers = [name.text for name in spec.names]
     assignments: dict[str, Assignment] = {}
+    known: dict[Path | None, Prepared] = {}
+    """By file: of many vehicles that fly one mission it is checked once."""
     for member in spec.members:
         start, color = _start(member, place[0], faults), _color(member, faults)
         with faults.collecting():
-            prepared = _prepared(member, place, peers, code=code, calls=calls)
-            faults.extend(prepared.graph.warnings if member.spec else ())
+            if member.path not in known:
+                found_here = _prepared(member, place, peers, code=code, calls=calls)
+                known[member.path] = found_here
+                faults.extend(found_here.graph.warnings if member.spec else ())
+            prepared = known[member.path]
             assignments[member.name.text] = Assignment(
                 prepared,
                 given_parameters(member, prepared.graph, Faults()),  # `check_fleet` tells of them

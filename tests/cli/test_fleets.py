@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from runner.missions import SHIPPED
 from tests.cli.conftest import MISSION
 from tests.cli.run_cli import run_cli
 
@@ -181,3 +182,20 @@ def test_missions_tells_of_a_fleet(pair: str) -> None:
     facts = json.loads(run_cli("missions", pair, "--json").out)
     assert facts["fleet"] == "pair"
     assert facts["vehicles"]["cat"]["parameters"]["height"]["default"] == 1.0
+
+
+def test_a_fleet_is_copied_with_its_missions(undrawn: None) -> None:
+    copied = run_cli("missions", "handover", "--copy")
+    assert copied.out == (
+        "copied to missions/handover.yaml; `drone-cli run handover` now flies your copy\n"
+    )
+    names = {path.relative_to("missions").as_posix() for path in Path("missions").rglob("*.yaml")}
+    assert names == {
+        "handover.yaml",
+        *(f"parts/{name}.yaml" for name in ("sentry", "relief", "watch_round")),
+    }
+    for name in names:
+        assert (Path("missions") / name).read_bytes() == (SHIPPED / name).read_bytes()
+    assert run_cli("run", "handover", "-p", "sentry.tired=99%").code == 0
+    assert (only_run() / "parts/watch_round.yaml").exists()
+    assert run_cli("missions", "handover", "--copy").code == 2
