@@ -22,6 +22,7 @@ from worlds.solids import START_CLEARANCE, thing_near, top_of
 from worlds.terrain import height_at, place_of
 from worlds.things import Terrain, Thing
 from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
+from worlds.wind import WIND
 from worlds.world import Fence, Start, World
 
 FIELDS: Mapping[str, Field] = MappingProxyType(
@@ -31,6 +32,7 @@ FIELDS: Mapping[str, Field] = MappingProxyType(
         "origin": Field(ORIGIN, None),
         "ground": GROUND,
         "light": LIGHT,
+        "wind": Field(WIND, None),
         "start": Field(STARTS, None),
         "battery": Field(SHARE, 1.0),
         "fence": Field(FENCE, None),
@@ -116,6 +118,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         sha256=_digest([file.read_bytes() for file in files] or [text.encode()]),
         things=things,
         light=keys["light"],
+        wind=keys["wind"],
         fence=keys["fence"],
         roads=tuple(road.road(key.text) for key, road in named["roads"].entries),
         text=text,
