@@ -15,8 +15,9 @@ from hal.sim.sensors.camera_spec import (
 )
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
+from worlds.wind import read_wind
 
-_KNOWN = ("noise", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("noise", "wind", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class Settings:
 
     noise: float
     """Factor of the command noise, 0 for none."""
+    wind: str | None
+    """A wind as it is written (see :mod:`worlds.wind`); None for the world's."""
     cameras: Mapping[str, CameraSpec]
     """Name → camera, the same for every vehicle."""
     sensors: Mapping[str, RangefinderSpec]
@@ -58,6 +61,7 @@ def read_settings(given: Mapping[str, object]) -> Settings:
         raise UserError("bad-setting", f"'shadows' must be true or false, not {shadows!r}")
     return Settings(
         float(noise),
+        _checked_wind(given.get("wind")),
         read_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
@@ -65,11 +69,22 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     )
 
 
+def _checked_wind(wind: object) -> str | None:
+    if wind is None:
+        return None
+    if not isinstance(wind, str):
+        message = f"'wind' is a text such as '5 m/s@270 deg', not {wind!r}"
+        raise UserError("bad-setting", message)
+    read_wind(wind, "wind")
+    return wind
+
+
 def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
     without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
     return {
         "noise": settings.noise,
+        "wind": settings.wind,
         "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,

@@ -43,7 +43,7 @@ STEPS_PER_PERIOD = 6
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap"}
+    | {"battery", "battery.swap", "wind"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -145,6 +145,8 @@ class SimVehicle(BaseVehicle):
         self._feed_forward: Point | None = None
         """Feed-forward velocity of this period's set-point, m/s."""
         self._min_altitude = -inf
+        self.estimated_wind = _ORIGIN
+        """The wind that it observes, world frame, m/s."""
 
     # Observation.
 
@@ -180,6 +182,7 @@ class SimVehicle(BaseVehicle):
                 0,
                 _ORIGIN,
                 self._events(touched) if touched or self._unstable else (),
+                self.estimated_wind,
             )
         )
 

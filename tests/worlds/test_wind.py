@@ -105,3 +105,10 @@ def test_the_list_of_worlds_shows_it(tmp_path: Path) -> None:
     file.write_text("world: w\nwind: 5 m/s@270 deg, gusts=8 m/s, turbulence=light\n")
     shown = run_cli("worlds", str(file)).out
     assert "wind     5 m/s from 270 deg, gusts to 8 m/s, turbulence of 7.72 m/s" in shown
+
+
+@pytest.mark.parametrize("command", [("run",), ("check", "--fly", "1")])
+def test_a_wrong_wind_of_the_command_line_is_told(command: tuple[str, ...]) -> None:
+    result = run_cli(*command, "first_flight", "--wind", "5m/s")
+    assert result.code == 2
+    assert "'--wind': a wind is needed here, not '5m/s'; write 5 m/s@270 deg" in result.err
