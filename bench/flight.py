@@ -64,14 +64,15 @@ Job = Callable[[], float]
 
 def variants() -> dict[str, Settings]:
     """The settings to fly with, those of them that there are here."""
-    engines: dict[str, Settings] = {"pybullet": {"engine": "pybullet"}}
-    engines |= {"mujoco": {"engine": "mujoco"}}
-    physics: dict[str, Settings] = {word: {"physics": word} for word in ("ideal", "real")}
-    wanted = {
-        f"{effects}, {engine}": {**of_effects, **of_engine}
-        for (engine, of_engine), (effects, of_effects) in product(engines.items(), physics.items())
-    }
-    return {name: settings for name, settings in wanted.items() if _opens(settings)} or {"": {}}
+    chosen: dict[str, Settings] = {"": {}}
+    for setting, words in {"physics": ("ideal", "real"), "engine": ("pybullet", "mujoco")}.items():
+        known = [word for word in words if _opens({setting: word})]
+        if known:
+            chosen = {
+                f"{name}, {word}": {**settings, setting: word}
+                for (name, settings), word in product(chosen.items(), known)
+            }
+    return chosen
 
 
 def models() -> dict[str, Settings]:
@@ -162,9 +163,8 @@ def jobs(folder: Path) -> Iterator[tuple[str, str, Job]]:
     hover = folder / "hover.yaml"
     hover.write_text(HOVER)
     for name, settings in variants().items():
-        tail = f", {name}" if name else ""
         for label, mission in (("hover", str(hover)), ("first_flight", "first_flight")):
-            yield f"{label}{tail}", "× real time", lambda m=mission, s=settings: recorded(m, s)
+            yield f"{label}{name}", "× real time", lambda m=mission, s=settings: recorded(m, s)
     for count in FLEETS:
         yield f"{count} vehicles", "µs per vehicle-step", lambda n=count: vehicle_step(n)
     for boxes in (True, False):

@@ -7,6 +7,7 @@ wind comes from, clockwise from north, in degrees.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -18,6 +19,9 @@ from worlds.world import Gusts, Wind
 
 TURBULENCE = {"light": 15 * 1852 / 3600, "moderate": 30 * 1852 / 3600, "severe": 45 * 1852 / 3600}
 """Wind 20 feet above ground, m/s: 15, 30 and 45 knots (MIL-F-8785C, 3.7)."""
+NATURAL = "natural"
+"""The word for the turbulence that the mean wind makes."""
+_TWENTY_FEET = 6.096
 STILL = "none"
 """The word for no wind."""
 _STRONGEST = 100.0
@@ -28,8 +32,10 @@ _LONGEST = 1e5
 _DURATION, _EVERY = 5.0, 20.0
 
 
-def _turbulence(node: YamlNode) -> float:
+def _turbulence(node: YamlNode) -> float | str:
     word = node.text if isinstance(node, Scalar) else ""
+    if word == NATURAL:
+        return NATURAL
     return TURBULENCE[word] if word in TURBULENCE else _SPEED.read(node)
 
 
@@ -73,7 +79,10 @@ def _wind(**given: Any) -> Wind:
     if roughness is not None and roughness >= given["height"]:
         message = f"a roughness of {roughness:g} m is not below the height of the wind"
         raise Misfit("out-of-range", message, "roughness", "grass is 3 cm, a town 1 m")
-    return Wind(bearing=bearing, **given)
+    turbulence = given.pop("turbulence")
+    wind = Wind(bearing=bearing, **given)
+    speed = wind.speed * wind.share_at(_TWENTY_FEET) if turbulence == NATURAL else turbulence
+    return replace(wind, turbulence=speed)
 
 
 _RECORD = record(
@@ -85,7 +94,7 @@ _RECORD = record(
         "roughness": Field(SIZE, None),
         "gusts": Field(Value(_any_gusts, {"anyOf": [_SPEED.schema, _GUSTS.schema]}), None),
         "turbulence": Field(
-            Value(_turbulence, {"anyOf": [{"enum": [*TURBULENCE]}, _SPEED.schema]}), 0.0
+            Value(_turbulence, {"anyOf": [{"enum": [NATURAL, *TURBULENCE]}, _SPEED.schema]}), 0.0
         ),
     },
     _wind,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, log
 from pathlib import Path
 
 from vencejo.geometry import Point
@@ -112,6 +112,17 @@ class Wind:
     gusts: Gusts | None = None
     turbulence: float = 0.0
     """The speed of the wind 20 feet above ground that makes the turbulence, m/s; 0 for none."""
+
+    def share_at(self, z: float) -> float:
+        """The wind at a height above z = 0 (m) over that at ``height``.
+
+        Over rough ground it grows with the logarithm of the height, as in the surface layer (R.
+        Stull, *An Introduction to Boundary Layer Meteorology*, Kluwer 1988).
+        """
+        rough = self.roughness
+        if rough is None:
+            return 1.0
+        return log(z / rough) / log(self.height / rough) if z > rough else 0.0
 
     def __str__(self) -> str:
         gusts = f", gusts to {self.gusts.to:g} m/s" if self.gusts else ""

@@ -81,7 +81,7 @@ HELP: Mapping[str, str] = {
     "top": "Height of the upper edge, metres.",
     "trees": "Trees: a trunk and a round crown.",
     "turn": "Turns it in its own plane, counter-clockwise.",
-    "turbulence": "light, moderate or severe, or the speed of the wind 20 feet above ground.",
+    "turbulence": "natural, light, moderate, severe, or the wind 20 feet above ground.",
     "turns": "Whether it faces where it goes.",
     "walls": "Straight walls from point to point.",
     "width": "Metres.",

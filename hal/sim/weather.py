@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, log, pi, sin
+from math import cos, hypot, pi, sin
 
 from hal.sim.gusts import GustTrain
 from hal.sim.physics import Triple
@@ -17,10 +17,8 @@ _SLOWEST = 1.0
 class Weather:
     """The air of a world: a mean wind, and gusts that travel with it.
 
-    The mean wind is the same everywhere or, with a roughness length z0, grows with the height z
-    above z = 0 as ln(z/z0): the logarithmic law of the surface layer (R. Stull, *An Introduction to
-    Boundary Layer Meteorology*, Kluwer 1988), and the wind shear of MIL-F-8785C. Hills do not
-    change it. A gust makes the whole profile stronger, and travels at the speed of the mean wind.
+    The mean wind is the same everywhere but for its profile over the height above z = 0; hills do
+    not change it. A gust makes the whole profile stronger, and travels at the speed of the mean.
     """
 
     def __init__(self, wind: Wind, seed: int) -> None:
@@ -34,20 +32,16 @@ class Weather:
             self._peak = wind.gusts.to - wind.speed
             self._gusts = GustTrain(wind.gusts, generator(seed, "weather", "gusts"))
         self._travel = max(_SLOWEST, wind.speed)
-        self._roughness = wind.roughness or 0.0
-        self._logarithm = log(wind.height / self._roughness) if self._roughness else 0.0
 
     def speed(self, position: Triple, time: float) -> float:
         """Speed of the wind, gusts included, at a place and a time."""
         x, y, z = position
-        speed = self.wind.speed
+        wind = self.wind
+        speed = wind.speed
         if self._peak:
             way = x * self.east + y * self.north
             speed += self._peak * self._gusts.share(time - way / self._travel)
-        if self._roughness:
-            rough = self._roughness
-            speed *= log(z / rough) / self._logarithm if z > rough else 0.0
-        return speed
+        return speed * wind.share_at(z)
 
     def of(self, vehicle: str) -> VehicleWeather:
         """The weather that a vehicle feels; its turbulence is its own."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import log
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,11 @@ LIGHT = 15 * 1852 / 3600
         ("none", None),
         ("3m/s@0,gusts=5m/s", Wind(3.0, 0.0, gusts=Gusts(5.0, 5.0, 20.0))),
         ("3@0, turbulence=light", Wind(3.0, 0.0, turbulence=LIGHT)),
+        ("3@0, turbulence=natural", Wind(3.0, 0.0, turbulence=3.0)),
+        (
+            "3@0, roughness=0.1, turbulence=natural",
+            Wind(3.0, 0.0, roughness=0.1, turbulence=3.0 * log(60.96) / log(100)),
+        ),
         ("3@0, turbulence=4 m/s", Wind(3.0, 0.0, turbulence=4.0)),
         (
             "{speed: 3 m/s, from: 1.5708 rad, height: 2 m, roughness: 3 cm, turbulence: severe, "
