@@ -76,6 +76,17 @@ def test_a_gust_travels_with_the_mean_wind(position, time) -> None:  # type: ign
     assert here == pytest.approx(air(wind, STILL, time - way / 4.0), abs=1e-9)
 
 
+def test_without_a_mean_wind_gusts_travel_all_the_same() -> None:
+    wind = Wind(0.0, 270.0, gusts=GUST)
+    assert air(wind, (7.0, 0.0, 1.0), 19.0)[0] == pytest.approx(9.0)
+
+
+def test_places_down_the_wind_have_random_gusts_from_the_beginning() -> None:
+    wind = Wind(3.0, 270.0, gusts=Gusts(8.0, 3.0, 15.0))
+    weather = Weather(wind, 0).of("drone")
+    assert max(weather.wind((600.0, 0.0, 5.0), STILL, time / 4)[0] for time in range(200)) > 6.0
+
+
 def test_over_rough_ground_a_gust_is_weaker_below_by_the_same_law() -> None:
     wind = Wind(3.0, 270.0, roughness=0.1, gusts=GUST)
     assert air(wind, (0.0, 0.0, 1.0), 12.0)[0] == pytest.approx(9.0 * log(10) / log(100))
@@ -149,6 +160,20 @@ def test_each_axis_has_the_spectrum_of_the_specification(samples: np.ndarray) ->
             found = (values[:-lag] * values[lag:]).mean() / values.var()
             expected = exp(-r) if axis == 0 else (1 - r / 2) * exp(-r)
             assert found == pytest.approx(expected, abs=0.07)
+
+
+def test_its_filters_are_exact_however_far_a_period_takes_the_vehicle() -> None:
+    """At 100 m/s low above ground samples have little in common, and so measure sharply."""
+    turbulence = Turbulence(7.7, Random(4))
+    samples = np.array([turbulence.next(3.0, 100.0) for _ in range(60_000)])
+    scales = scales_at(3.0, 7.7)
+    expected = (scales.sigma, scales.sigma, scales.sigma_up)
+    assert samples.std(axis=0) == pytest.approx(expected, rel=0.02)
+    along, across, up = ((samples[1:] * samples[:-1]).mean(axis=0) / samples.var(axis=0)).tolist()
+    r, r_up = 100.0 * PERIOD / scales.length, 100.0 * PERIOD / scales.length_up
+    assert along == pytest.approx(exp(-r), abs=0.02)
+    assert across == pytest.approx((1 - r / 2) * exp(-r), abs=0.02)
+    assert up == pytest.approx((1 - r_up / 2) * exp(-r_up), abs=0.02)
 
 
 def test_it_has_its_deviation_from_the_first_moment_on() -> None:

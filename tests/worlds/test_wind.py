@@ -6,6 +6,8 @@ from math import log
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.cli.run_cli import run_cli
 from vencejo.errors import UserError
@@ -104,6 +106,17 @@ def test_what_is_wrong_is_told_at_its_place(text: str, faults: list[str]) -> Non
     with pytest.raises(UserError) as caught:
         read_wind(text, "--wind")
     assert [f"{fault.where} {fault.code}" for fault in caught.value.faults] == faults
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text(alphabet="0159.-@,= m/sdegnouturbulcihtfakvy{}:[]'\"\n", max_size=40))
+def test_any_text_is_a_wind_or_a_fault(text: str) -> None:
+    try:
+        wind = read_wind(text, "--wind")
+    except UserError as error:
+        assert all(fault.message for fault in error.faults)
+    else:
+        assert wind is None or 0.0 <= wind.speed <= 100.0
 
 
 def test_the_list_of_worlds_shows_it(tmp_path: Path) -> None:
