@@ -64,6 +64,9 @@ class SimVehicle(BaseVehicle):
     when it stands on the ground.
     """
 
+    estimated_wind = _ORIGIN
+    """The wind that it observes, world frame, m/s."""
+
     def __init__(
         self,
         name: str,
@@ -145,8 +148,6 @@ class SimVehicle(BaseVehicle):
         self._feed_forward: Point | None = None
         """Feed-forward velocity of this period's set-point, m/s."""
         self._min_altitude = -inf
-        self.estimated_wind = _ORIGIN
-        """The wind that it observes, world frame, m/s."""
 
     # Observation.
 
