@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -22,6 +22,7 @@ from cli.options import (
     call_limit_option,
     limit_option,
     noise_option,
+    wind_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
@@ -88,6 +89,7 @@ class Report:
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
 @noise_option("Disturb the commands of these flights, as for `run`.")
+@wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -100,6 +102,7 @@ def check(
     clearance: float,
     count: int | None,
     noise: float,
+    wind: str | None,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -122,8 +125,9 @@ def check(
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
+        own = {"noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
-            reports = [_flown(r, count, noise, limit_settings, limit) for r in reports]
+            reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
     else:
@@ -147,14 +151,18 @@ def _no_garbage() -> Iterator[None]:
 
 
 def _flown(
-    report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
+    report: Report,
+    count: int,
+    own: Mapping[str, object],
+    limit_settings: LimitSettings,
+    limit: CallLimit,
 ) -> Report:
     """The report with trial flights of a mission without errors."""
     if report.plan is None or report.of("error"):
         return report
     plan = replace(
         report.plan,
-        settings={"noise": noise},
+        settings=own,
         profile=limit_settings.profile,
         limits=limit_settings.limits,
     )

@@ -396,6 +396,7 @@ def _world_facts(world: World) -> dict[str, Any]:
         "origin": asdict(world.origin) if world.origin else None,
         "battery": world.battery,
         "fence": _fence_facts(world.fence) if world.fence else None,
+        "wind": asdict(world.wind) if world.wind else None,
         "start": list(world.starts[0].at),
         "things": _contents(world),
         "places": {place: list(point) for place, point in world.places.items()},
@@ -420,6 +421,8 @@ def _describe_world(world: World) -> None:
         corners = ", ".join(f"[{x:g}, {y:g}]" for x, y in fence["through"])
         heights = (f"; {key} {fence[key]:g} m" for key in ("floor", "ceiling") if key in fence)
         click.echo(f"  fence    {corners}{''.join(heights)}")
+    if world.wind:
+        click.echo(f"  wind     {world.wind}")
     contents = _contents(world)
     if contents:
         click.echo("  contents:")

@@ -18,6 +18,7 @@ from hal.renderers import renderer_names
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, YamlNode
 from vencejo.units import LENGTH, TIME, read_quantity
+from worlds.wind import read_wind
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -343,6 +344,22 @@ def noise_option(text: str) -> Callable[[F], F]:
     return click.option(
         "--noise", type=click.FloatRange(0, 10), default=0.0, show_default=True, help=text
     )
+
+
+def wind_option(text: str) -> Callable[[F], F]:
+    """The option ``--wind``, with its help."""
+    return click.option("--wind", callback=_wind, metavar="SPEED@FROM[,KEY=VALUE...]", help=text)
+
+
+def _wind(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Check a wind, and leave it as it is written: so the backend takes it."""
+    try:
+        if value is not None:
+            read_wind(value, "--wind")
+    except UserError as error:
+        lines = (f"{f.message}; {f.hint}" if f.hint else f.message for f in error.faults)
+        raise click.BadParameter("; ".join(lines), ctx=ctx, param=param) from None
+    return value
 
 
 def cameras(

@@ -28,6 +28,7 @@ from cli.options import (
     noise_option,
     renderer_option,
     shadows_option,
+    wind_option,
 )
 from cli.output import Output, echo_json
 from cli.signals import Interrupts
@@ -99,6 +100,10 @@ if TYPE_CHECKING:
     help="Times real time, or max. For the simulator.",
 )
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
+@wind_option(
+    "Let a wind blow in the simulator instead of the world's: speed and compass bearing it comes "
+    "from, such as 5m/s@270deg, or 3m/s@90deg,gusts=6m/s,turbulence=light; or none."
+)
 @click.option(
     "--camera",
     "wanted_cameras",
@@ -158,6 +163,7 @@ def run(
     seed: int,
     speed: float | None,
     noise: float,
+    wind: str | None,
     wanted_cameras: dict[str, dict[str, int | float] | None],
     camera_file: Path | None,
     renderer: str,
@@ -187,6 +193,7 @@ def run(
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
                 "noise": noise,
+                "wind": wind,
                 "cameras": joined(in_file, wanted_cameras),
                 "renderer": renderer,
                 "shadows": shadows,

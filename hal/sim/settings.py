@@ -16,8 +16,9 @@ from hal.sim.sensors.camera_spec import (
 )
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
+from worlds.wind import read_wind
 
-_KNOWN = ("noise", "physics", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Settings:
     """Factor of the command noise, 0 for none."""
     physics: Effects
     """The effects that are computed."""
+    wind: str | None
+    """A wind as it is written (see :mod:`worlds.wind`); None for the world's."""
     cameras: Mapping[str, CameraSpec]
     """Name → camera, the same for every vehicle."""
     sensors: Mapping[str, RangefinderSpec]
@@ -65,11 +68,22 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     return Settings(
         float(noise),
         read_effects(physics),
+        _checked_wind(given.get("wind")),
         read_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
         shadows,
     )
+
+
+def _checked_wind(wind: object) -> str | None:
+    if wind is None:
+        return None
+    if not isinstance(wind, str):
+        message = f"'wind' is a text such as '5 m/s@270 deg', not {wind!r}"
+        raise UserError("bad-setting", message)
+    read_wind(wind, "wind")
+    return wind
 
 
 def plain_settings(settings: Settings) -> dict[str, object]:
@@ -78,6 +92,7 @@ def plain_settings(settings: Settings) -> dict[str, object]:
     return {
         "noise": settings.noise,
         "physics": plain_effects(settings.physics),
+        "wind": settings.wind,
         "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,

@@ -36,7 +36,7 @@ _ORIGIN = Point(0.0, 0.0, 0.0)
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap"}
+    | {"battery", "battery.swap", "wind"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -58,6 +58,9 @@ class SimVehicle(BaseVehicle):
     Its position is that of the point between the skids, straight below the centre of mass: z is 0
     when it stands on the ground.
     """
+
+    estimated_wind = _ORIGIN
+    """The wind that it observes, world frame, m/s."""
 
     def __init__(
         self,
@@ -168,6 +171,7 @@ class SimVehicle(BaseVehicle):
                 0,
                 _ORIGIN,
                 self._events(touched) if touched or self._unstable or self._crashed else (),
+                self.estimated_wind,
             )
         )
 

@@ -426,6 +426,13 @@ def test_trim_is_for_the_ground(session: Session) -> None:
     assert (order.state, order.reason) == ("refused", "the motors are running")
 
 
+def test_the_wind_is_known_where_it_is_among_the_capabilities(session: Session) -> None:
+    vehicle = take_off(session)
+    wind = vehicle.observe().wind
+    assert (wind is not None) == ("wind" in vehicle.capabilities)
+    assert wind in (None, ORIGIN)
+
+
 def test_lights_can_be_set_anywhere(session: Session) -> None:
     vehicle = needs(session, "lights")
     assert decided(session, vehicle.lights(Lights("blink", "red", 2.0))).state == "done"
