@@ -65,10 +65,12 @@ class VehicleView:
     It is made every period and rarely read, so its values are computed when they are read.
     """
 
-    __slots__ = ("_seen",)
+    __slots__ = ("_home", "_seen")
 
-    def __init__(self, seen: Observation) -> None:
+    def __init__(self, seen: Observation, home: float = 0.0) -> None:
+        """``home``: the height from which its altitude counts, metres: in the mission frame 0."""
         self._seen = seen
+        self._home = home
 
     @property
     def position(self) -> Point:
@@ -84,7 +86,7 @@ class VehicleView:
 
     @property
     def altitude(self) -> float:
-        return self._seen.position.z
+        return self._seen.position.z - self._home
 
     @property
     def speed(self) -> float:

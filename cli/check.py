@@ -30,10 +30,11 @@ from fsm.language.reader import FLEET
 from hal import backend_capabilities, flight_model
 from runner import missions
 from runner.call_limit import CallLimit
+from runner.fleets import PreparedFleet, prepare_fleet
 from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.plan import Plan
-from runner.preparation import Prepared, check_fleet_file, prepare
-from runner.trial_flights import TrialFlight, fly_trials
+from runner.plan import Plan, starts_of
+from runner.preparation import prepare
+from runner.trial_flights import Trial, fly_trials
 from vencejo.errors import Fault, UserError
 
 
@@ -46,11 +47,11 @@ class Report:
     graphs: tuple[Graph, ...] = ()
     """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
-    prepared: Prepared | None = None
-    """A mission without errors."""
+    plan: Plan | None = None
+    """The plan to fly it, of what has no errors."""
     findings: Findings | None = None
     """What was found of where it flies."""
-    flights: tuple[TrialFlight, ...] = ()
+    trials: tuple[Trial, ...] = ()
     """Its trial flights."""
 
     @property
@@ -132,7 +133,7 @@ def check(
             _print(report, strict)
     if any(report.wrong(strict) for report in reports):
         sys.exit(2)
-    sys.exit(int(any(flight.outcome != "done" for r in reports for flight in r.flights)))
+    sys.exit(int(not all(trial.success for report in reports for trial in report.trials)))
 
 
 @contextmanager
@@ -151,14 +152,15 @@ def _flown(
     report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
 ) -> Report:
     """The report with trial flights of a mission without errors."""
-    if report.prepared is None or report.of("error"):
+    if report.plan is None or report.of("error"):
         return report
     plan = replace(
-        Plan.alone(report.prepared, settings={"noise": noise}),
+        report.plan,
+        settings={"noise": noise},
         profile=limit_settings.profile,
         limits=limit_settings.limits,
     )
-    return replace(report, flights=tuple(fly_trials(plan, range(count), limit)))
+    return replace(report, trials=tuple(fly_trials(plan, range(count), limit)))
 
 
 def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
@@ -171,12 +173,33 @@ def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Ca
         graph = prepared.graph
         findings = check_geometry(graph, prepared.world, terms, calls=calls)
         told = (*graph.warnings, *findings.faults)
-        return Report(mission, told, (graph,), prepared=prepared, findings=findings)
+        return Report(mission, told, (graph,), plan=Plan.alone(prepared), findings=findings)
     try:
-        faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
+        fleet = prepare_fleet(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
-        return Report(mission, error.faults)
-    return Report(mission, tuple(faults), tuple(graphs), fleet=True)
+        return Report(mission, error.faults, fleet=True)
+    return _fleet_report(mission, fleet, terms, calls)
+
+
+def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls) -> Report:
+    assignments, faults = fleet.assignments, list(fleet.faults)
+    unknown, moving, complete = list[str](), list[str](), True
+    for name, start in starts_of(assignments).items():
+        flown = assignments[name]
+        graph, world, values = flown.prepared.graph, flown.prepared.world, flown.parameters
+        found = check_geometry(graph, world, terms, values, calls, start)
+        faults += found.faults
+        unknown += [f"{name}: {state}" for state in found.unknown]
+        moving += found.moving
+        complete = complete and found.complete
+    return Report(
+        mission,
+        tuple(dict.fromkeys(faults)),
+        tuple(each.prepared.graph for each in assignments.values() if not each.stands),
+        fleet=True,
+        plan=Plan(assignments, fleet=fleet.fleet) if fleet.may_fly else None,
+        findings=Findings((), tuple(unknown), tuple(dict.fromkeys(moving)), complete),
+    )
 
 
 def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
@@ -211,10 +234,10 @@ def _shown(report: Report) -> dict[str, Any]:
         found["unknown"] = list(report.findings.unknown)
         found["moving"] = list(report.findings.moving)
         found["complete"] = report.findings.complete
-    if report.flights:
-        from cli.trials import trial_fields
+    if report.plan is not None and report.trials:
+        from cli.trials import trials_fields
 
-        found |= trial_fields(report.graphs[0], report.flights)
+        found |= trials_fields(report.plan, report.trials)
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
 
@@ -235,16 +258,16 @@ def _print(report: Report, strict: bool) -> None:
     if report.wrong(strict):
         click.echo(f"{report.mission}: {counts}", err=True)
     else:
-        what = "a fleet without mistakes" if report.fleet else "may fly"
+        what = "the fleet may fly" if report.fleet else "may fly"
         states = f"{report.states} state{'s'[: report.states != 1]}"
         click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
     if report.findings is not None:
         for note in _notes(report.findings):
             click.echo(f"  {note}")
-    if report.flights:
-        from cli.trials import trial_lines
+    if report.plan is not None and report.trials:
+        from cli.trials import trials_lines
 
-        for line in trial_lines(report.graphs[0], report.flights):
+        for line in trials_lines(report.plan, report.trials):
             click.echo(f"  {line}")
 
 

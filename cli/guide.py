@@ -34,7 +34,7 @@ PLACES: Mapping[Place, str] = {
     "actions": "In an action block, run in order; a list of such maps to repeat one",
     "send": "Inside `send`",
     "parameter": "In a parameter, and with `type` and `default` in `data`",
-    "fleet": "At the top of a fleet's file, which is checked but does not fly yet",
+    "fleet": "At the top of a fleet's file",
     "vehicle": "In a vehicle of a fleet",
 }
 """The places of keys, in the order of the page."""

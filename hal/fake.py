@@ -7,7 +7,7 @@ origin jumps. Everything a test may want to go wrong is an attribute of :class:`
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import hypot, inf, tan
 from types import MappingProxyType
 from typing import Any
@@ -388,7 +388,7 @@ class FakeSession(BaseSession[FakeVehicle]):
 
     def __init__(
         self,
-        names: tuple[str, ...] = ("drone",),
+        names: Iterable[str] = ("drone",),
         places: Mapping[str, Point] | None = None,
         options: Options | None = None,
     ) -> None:

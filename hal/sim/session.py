@@ -45,25 +45,29 @@ class SimSession:
         self._count = 0
         self._all = [
             SimVehicle(
-                name,
+                spec.name,
                 physics,
                 model=model,
                 start=start,
                 battery=Battery(model.battery, world.battery, chargers),
-                noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
+                noise=CommandNoise(
+                    settings.noise, generator(options.seed, spec.name, "command-noise")
+                ),
                 obstacles=obstacles if alone else None,
             )
-            for name, start in zip(options.vehicles, starts, strict=True)
+            for spec, start in zip(options.vehicles, starts, strict=True)
         ]
         self._drives = [vehicle.drive for vehicle in self._all]
         self._senses = [vehicle.sense for vehicle in self._all]
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle in self._all:
+        for vehicle, spec in zip(self._all, options.vehicles, strict=True):
             name = vehicle.name
             context.pose_histories[name] = vehicle.pose_history
-            context.appearances[name] = quadrotor(name, arm=model.rotors.arm, size=model.size)
+            context.appearances[name] = quadrotor(
+                name, arm=model.rotors.arm, size=model.size, color=spec.color
+            )
             context.lamps[name] = vehicle.lamps
             if not alone:
                 height = model.size[2]

@@ -32,7 +32,7 @@ from hal.vehicle import (
     Velocity,
     VisionPose,
 )
-from tests.hal.flying import decided, finish, only, take_off, wait, wait_until
+from tests.hal.flying import decided, finish, named, only, take_off, wait, wait_until
 from vencejo.errors import UserError
 from vencejo.geometry import Point, distance, wrap
 
@@ -52,7 +52,7 @@ def example_session(options: Options) -> Session:
 
 
 OPENERS: dict[str, Callable[[Options], Session]] = {
-    "fake": lambda options: FakeSession(options.vehicles, options=options),
+    "fake": lambda options: FakeSession((each.name for each in options.vehicles), options=options),
     "sim": open_session,
     "example": example_session,
 }
@@ -116,7 +116,7 @@ def test_time_counts_periods_without_drift(session: Session) -> None:
 
 
 def test_all_vehicles_have_one_clock(backend: str) -> None:
-    with OPENERS[backend](Options(vehicles=("a", "b", "c"))) as session:
+    with OPENERS[backend](Options(vehicles=named("a", "b", "c"))) as session:
         assert list(session.vehicles) == ["a", "b", "c"]
         for _ in range(40):
             session.wait()
