@@ -7,12 +7,7 @@ from dataclasses import asdict, dataclass
 from math import isfinite
 
 from hal.renderers import check_renderer
-from hal.sim.sensors.camera_spec import (
-    DEFAULT_CAMERAS,
-    CameraSpec,
-    plain_camera,
-    read_cameras,
-)
+from hal.sim.sensors.camera_spec import plain_cameras
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 
@@ -25,8 +20,9 @@ class Settings:
 
     noise: float
     """Factor of the command noise, 0 for none."""
-    cameras: Mapping[str, CameraSpec]
-    """Name → camera, the same for every vehicle."""
+    cameras: Mapping[str, object]
+    """Name → what differs from the model's camera of that name, the same for every vehicle (see
+    :func:`hal.sim.sensors.camera_spec.read_cameras`)."""
     sensors: Mapping[str, RangefinderSpec]
     """Name → rangefinder, the same for every vehicle."""
     renderer: str
@@ -58,7 +54,7 @@ def read_settings(given: Mapping[str, object]) -> Settings:
         raise UserError("bad-setting", f"'shadows' must be true or false, not {shadows!r}")
     return Settings(
         float(noise),
-        read_cameras(given.get("cameras")),
+        plain_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
         shadows,
@@ -67,10 +63,9 @@ def read_settings(given: Mapping[str, object]) -> Settings:
 
 def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
-    without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
     return {
         "noise": settings.noise,
-        "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
+        "cameras": dict(settings.cameras),
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,
         "shadows": settings.shadows,

@@ -19,6 +19,7 @@ from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import BodyState, Physics, in_body
 from hal.sim.pose_history import PoseHistory
 from hal.sim.rotor_power import rotor_power
+from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.starts import StartPose
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
@@ -92,6 +93,7 @@ class SimVehicle(BaseVehicle):
             },
         )
         self.profiles = model.profiles
+        self.model = model.name
         self._model = model
         self._body = physics.add_body(
             model.mass,
@@ -106,7 +108,7 @@ class SimVehicle(BaseVehicle):
         self._add_pose = self.pose_history.append
         self._add_pose(self._state)
         self.capabilities = CAPABILITIES
-        self.cameras: Mapping[str, Camera] = {}
+        self._switch = CameraSwitch({}, one_active=False)
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = Controller(model)
         self._control, self._push, self._read_state = (
@@ -148,10 +150,11 @@ class SimVehicle(BaseVehicle):
 
     # Observation.
 
-    def fit(self, cameras: Mapping[str, Camera], sensors: Mapping[str, Sensor]) -> None:
+    def fit(self, switch: CameraSwitch, sensors: Mapping[str, Sensor]) -> None:
         """Mount cameras and sensors, by name."""
-        self.cameras, self.sensors = cameras, sensors
-        mounted = {f"camera.{name}" for name in cameras} | {f"sensor.{name}" for name in sensors}
+        self._switch, self.sensors = switch, sensors
+        mounted = {f"camera.{name}" for name in switch.cameras}
+        mounted |= {f"sensor.{name}" for name in sensors}
         self.capabilities = CAPABILITIES | mounted
 
     def _observed(self) -> Observation:
@@ -400,11 +403,21 @@ class SimVehicle(BaseVehicle):
                 setattr(self._controller, name, value)
         return ACCEPTED
 
+    @property
+    def active_camera(self) -> str | None:
+        return self._switch.active
+
     def camera(self, name: str) -> Camera:
-        if name not in self.cameras:
-            known = ", ".join(self.cameras) or "none"
+        cameras = self._switch.cameras
+        if name not in cameras:
+            known = ", ".join(cameras) or "none"
             raise Unavailable(f"the vehicle '{self.name}' has no camera '{name}' (it has: {known})")
-        return self.cameras[name]
+        return cameras[name]
+
+    def use_camera(self, name: str | None = None) -> None:
+        if name is not None:
+            self.camera(name)
+        self._switch.use(name)
 
     def sensor(self, name: str) -> Sensor:
         if name not in self.sensors:
