@@ -95,3 +95,10 @@ def whole_folder(path: Path) -> Iterator[Path]:
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
+
+
+def named_from(folder: Path, word: str) -> str:
+    """A word for a thing or a YAML file: a file is named from where what names it lies, not from
+    where one happens to be.
+    """
+    return str(folder / word) if word.endswith((".yaml", ".yml")) else word
