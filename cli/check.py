@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -15,27 +15,32 @@ import click
 from behaviors import Calls
 from cli.fixes import fix_of
 from cli.options import (
+    SIMULATOR,
     Length,
     LimitSettings,
     MissionName,
     WorldName,
     call_limit_option,
     limit_option,
+    model_option,
     noise_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
 from fsm.language.reader import FLEET
-from hal import backend_capabilities, flight_model
+from hal import VehicleModel, backend_capabilities, flight_model, vehicle_model
 from runner import missions
+from runner.by_vehicle import ALONE
 from runner.call_limit import CallLimit
 from runner.fleets import PreparedFleet, prepare_fleet
 from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.plan import Plan, starts_of
-from runner.preparation import prepare
+from runner.plan import Assignment, Plan, starts_of, with_model
+from runner.preparation import Prepared, prepare
 from runner.trial_flights import Trial, fly_trials
-from vencejo.errors import Fault, UserError
+from runner.vehicle_models import camera_conflicts, missing_capabilities, model_of
+from vencejo.errors import Fault, UserError, Where
+from worlds import Start
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,7 @@ class Report:
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
 @click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
+@model_option("Check that this model of vehicle can do what is needed.")
 @limit_option("Check against limits of flight, as for `run`. Repeatable.")
 @click.option(
     "--clearance",
@@ -98,6 +104,7 @@ def check(
     missions_: tuple[str, ...],
     world: str | None,
     backend: str | None,
+    model: str | None,
     limit_settings: LimitSettings,
     clearance: float,
     count: int | None,
@@ -114,13 +121,11 @@ def check(
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not; with --fly 1
     when all may but a flight did not end in `done`.
     """
-    model = flight_model(backend or "sim")
-    terms = Terms(model, limit_settings.on(model), clearance)
+    asked = _Asked(world, backend, model, limit_settings, clearance, not no_code)
+    if model is not None:
+        vehicle_model(asked.backend_name, model, Where("--model"))
     with _no_garbage(), user_code(call_limit) as limit:
-        reports = [_report(m, world, terms, not no_code, limit.calls) for m in missions_]
-    if backend is not None:
-        offered = backend_capabilities(backend)
-        reports = [_compared(report, backend, offered) for report in reports]
+        reports = [_report(mission, asked, limit.calls) for mission in missions_]
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
@@ -163,31 +168,85 @@ def _flown(
     return replace(report, trials=tuple(fly_trials(plan, range(count), limit)))
 
 
-def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
+@dataclass(frozen=True)
+class _Asked:
+    """What missions are checked against."""
+
+    world: str | None
+    backend: str | None
+    model: str | None
+    limit_settings: LimitSettings
+    clearance: float
+    code: bool
+    """Whether the Python files that missions use are run."""
+
+    @property
+    def backend_name(self) -> str:
+        return self.backend or SIMULATOR
+
+    def assignments(self, given: Mapping[str, Assignment]) -> dict[str, Assignment]:
+        return with_model(given, self.model, Where("--model"))
+
+    def look(self, flown: Assignment, start: Start, calls: Calls) -> Findings:
+        """What is found of a vehicle's mission. Raises UserError for a model that is not."""
+        backend, graph = self.backend_name, flown.prepared.graph
+        model = model_of(backend, flown)
+        flight = model.flight if model else flight_model(backend)
+        terms = Terms(flight, self.limit_settings.on(flight), self.clearance)
+        world, values = flown.prepared.world, flown.parameters
+        found = check_geometry(graph, world, terms, values, calls, start)
+        faults = [*self._lacks(flown, model), *found.faults]
+        return replace(found, faults=tuple(faults))
+
+    def _lacks(self, flown: Assignment, model: VehicleModel | None) -> Iterator[Fault]:
+        """Faults for what a vehicle cannot do, where it is said which one flies."""
+        graph, backend = flown.prepared.graph, self.backend_name
+        if model is not None:
+            yield from camera_conflicts(graph, model)
+        if self.backend is None and flown.model is None and flown.prepared.world.model is None:
+            return
+        who = f"the backend '{backend}'"
+        if model is not None:
+            who = f"the model '{model.name}' of {who}"
+        offered = model.capabilities if model else backend_capabilities(backend)
+        yield from missing_capabilities(graph, offered, who)
+
+
+def _report(mission: str, asked: _Asked, calls: Calls) -> Report:
     try:
-        prepared = prepare(missions.find(mission), world, code=code, calls=calls)
+        prepared = prepare(missions.find(mission), asked.world, code=asked.code, calls=calls)
     except UserError as error:
         if error.code != FLEET:
             return Report(mission, error.faults)
     else:
-        graph = prepared.graph
-        findings = check_geometry(graph, prepared.world, terms, calls=calls)
-        told = (*graph.warnings, *findings.faults)
-        return Report(mission, told, (graph,), plan=Plan.alone(prepared), findings=findings)
+        return _mission_report(mission, prepared, asked, calls)
     try:
-        fleet = prepare_fleet(missions.find(mission), world, code=code, calls=calls)
+        fleet = prepare_fleet(missions.find(mission), asked.world, code=asked.code, calls=calls)
+        return _fleet_report(mission, fleet, asked, calls)
     except UserError as error:
         return Report(mission, error.faults, fleet=True)
-    return _fleet_report(mission, fleet, terms, calls)
 
 
-def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls) -> Report:
-    assignments, faults = fleet.assignments, list(fleet.faults)
+def _mission_report(mission: str, prepared: Prepared, asked: _Asked, calls: Calls) -> Report:
+    plan = Plan(asked.assignments({ALONE: Assignment(prepared)}))
+    try:
+        found = asked.look(plan.assignments[ALONE], plan.starts[ALONE], calls)
+    except UserError as error:
+        return Report(mission, error.faults)
+    graph = prepared.graph
+    told = (*graph.warnings, *found.faults)
+    return Report(mission, told, (graph,), plan=plan, findings=found)
+
+
+def _fleet_report(mission: str, fleet: PreparedFleet, asked: _Asked, calls: Calls) -> Report:
+    assignments, faults = asked.assignments(fleet.assignments), list(fleet.faults)
     unknown, moving, complete = list[str](), list[str](), True
     for name, start in starts_of(assignments).items():
-        flown = assignments[name]
-        graph, world, values = flown.prepared.graph, flown.prepared.world, flown.parameters
-        found = check_geometry(graph, world, terms, values, calls, start)
+        try:
+            found = asked.look(assignments[name], start, calls)
+        except UserError as error:
+            faults += error.faults
+            continue
         faults += found.faults
         unknown += [f"{name}: {state}" for state in found.unknown]
         moving += found.moving
@@ -200,27 +259,6 @@ def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls
         plan=Plan(assignments, fleet=fleet.fleet) if fleet.may_fly else None,
         findings=Findings((), tuple(unknown), tuple(dict.fromkeys(moving)), complete),
     )
-
-
-def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
-    """The report, with a fault for each capability that the backend lacks."""
-    missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
-    return replace(report, faults=(*missing, *report.faults))
-
-
-def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
-    """Faults for the capabilities that behaviours need and a backend does not offer."""
-    return [
-        Fault(
-            "missing-capability",
-            f"'{node.invocation.behavior.name if node.invocation else node.path}' needs "
-            f"'{capability}', which the backend '{backend}' does not offer",
-            node.where,
-            f"it offers: {', '.join(sorted(offered))}",
-        )
-        for capability, node in graph.required().items()
-        if capability not in offered
-    ]
 
 
 def _shown(report: Report) -> dict[str, Any]:

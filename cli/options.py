@@ -196,6 +196,28 @@ class WorldName(_Name):
         return [*world_names(), *(f"{family}:" for family in world_families())]
 
 
+class ModelName(_Name):
+    """A model of the simulator's vehicles, by path or name."""
+
+    name = "model"
+    endings = (".yaml", ".yml")
+
+    def known(self, ctx: click.Context) -> Iterable[str]:
+        from hal import backend_models
+
+        models = backend_models(SIMULATOR)
+        return models.names() if models else []
+
+
+SIMULATOR = "sim"
+"""The backend whose vehicles have models."""
+
+
+def model_option(text: str) -> Callable[[F], F]:
+    """The option ``--model``, with its help."""
+    return click.option("--model", type=ModelName(), metavar="NAME|FILE", help=text)
+
+
 class BehaviorName(_Name):
     """A behaviour by name; ``--uses FILE`` before it adds those of a file, which is not run."""
 

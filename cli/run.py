@@ -25,6 +25,7 @@ from cli.options import (
     cameras,
     complete_parameter,
     limit_option,
+    model_option,
     noise_option,
     renderer_option,
     shadows_option,
@@ -46,12 +47,13 @@ from runner.geometry import Terms, check_geometry
 from runner.loop import Watcher, fly
 from runner.missions import Found
 from runner.pace import Pace
-from runner.plan import Assignment, Fleet, Plan
+from runner.plan import Assignment, Fleet, Plan, with_model
 from runner.posts import parse_posts
 from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
-from vencejo.errors import Fault, OutputError, Stopped, UserError
+from runner.vehicle_models import camera_conflicts, model_of
+from vencejo.errors import Fault, OutputError, Stopped, UserError, Where
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -75,6 +77,7 @@ if TYPE_CHECKING:
     metavar="NAME|FILE",
     help="Fly in another world than the mission names.",
 )
+@model_option("Fly another model of vehicle than the fleet or the world names.")
 @click.option(
     "-p",
     "--parameter",
@@ -155,6 +158,7 @@ def run(
     backend: str,
     connect: str | None,
     world: str | None,
+    model: str | None,
     parameters: dict[str, str],
     limit_settings: LimitSettings,
     seed: int,
@@ -197,6 +201,7 @@ def run(
             doubtful: list[Fault] = []
             found = missions.find(mission)
             assignments, fleet = _assignments(found, world, parameters, limit.calls, doubtful)
+            assignments = with_model(assignments, model, Where("--model"))
             flown = {name: each for name, each in assignments.items() if not each.stands}
             graphs = {name: each.prepared.graph for name, each in flown.items()}
             plan = Plan(
@@ -276,12 +281,19 @@ def _assignments(
 
 def _warn_of_ways(plan: Plan, limit_settings: LimitSettings, calls: Calls) -> None:
     """Show what the possible ways of missions meet in their world."""
-    model = flight_model(plan.backend)
-    terms, starts = Terms(model, limit_settings.on(model)), plan.starts
+    starts = plan.starts
     faults: list[Fault] = []
     for name, flown in plan.assignments.items():
+        model = model_of(plan.backend, flown)
+        flight = model.flight if model else flight_model(plan.backend)
+        terms = Terms(flight, limit_settings.on(flight))
         graph, values = flown.prepared.graph, flown.parameters
+        if model is not None:
+            faults += camera_conflicts(graph, model)
         faults += check_geometry(graph, plan.world, terms, values, calls, starts[name]).faults
+    errors = [fault for fault in faults if fault.severity == "error"]
+    if errors:
+        raise UserError.of(dict.fromkeys(errors))
     for fault in dict.fromkeys(faults):
         click.echo(str(fault), err=True)
 

@@ -26,6 +26,7 @@ from runner.missions import Found
 from runner.plan import Assignment, Fleet, starts_of
 from runner.preparation import Prepared, prepare_member, world_word
 from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.files import named_from
 from worlds import Start, World, find_world
 from worlds.environment import START
 from worlds.starts import PlannedStart, bad_starts, overlapping, starts_outside
@@ -95,7 +96,7 @@ def prepare_fleet(
         hint = "give one a mission, or the fleet an `until`"
         faults.fail("no-mission", message, spec.names[0].where, hint)
     assignments = {
-        member.name.text: _assignment(member, flown[member.name.text], place[0], faults)
+        member.name.text: _assignment(member, flown[member.name.text], found.path.parent, faults)
         for member in spec.members
         if member.name.text in flown
     }
@@ -120,14 +121,16 @@ def _prepared(
     return prepare_member(member.spec, found, place, peers, code=code, calls=calls)
 
 
-def _assignment(member: Member, prepared: Prepared, world: World, faults: Faults) -> Assignment:
-    """What a vehicle of a fleet flies; what is wrong with the rest of it goes to ``faults``."""
+def _assignment(member: Member, prepared: Prepared, folder: Path, faults: Faults) -> Assignment:
+    """What a vehicle of a fleet in ``folder`` flies; what is wrong with the rest of it goes to
+    ``faults``.
+    """
     where: Start | None = None
     color: Rgb | None = None
     if member.start is not None:
         with faults.collecting():
             spot, heading = START.read(member.start)
-            where = Start(place_of(world.ground.terrain, spot), heading)
+            where = Start(place_of(prepared.world.ground.terrain, spot), heading)
     if member.color is not None:
         with faults.collecting():
             color = COLOR.read(member.color)
@@ -135,7 +138,8 @@ def _assignment(member: Member, prepared: Prepared, world: World, faults: Faults
         prepared,
         given_parameters(member, prepared.graph, Faults()),  # `check_fleet` has told its faults
         stands=member.spec is None,
-        model=member.model.text if member.model else None,
+        model=named_from(folder, member.model.text) if member.model else None,
+        model_where=member.model.where if member.model else None,
         start=where,
         color=color,
     )
