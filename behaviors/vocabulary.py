@@ -9,6 +9,7 @@ from behaviors.calls import Calls
 from behaviors.host_functions import HOST_FUNCTIONS
 from behaviors.registry import Registry
 from fsm.host import BehaviorInfo, Function, Reaction, Vocabulary
+from fsm.values.functions import EvaluationError
 from fsm.values.types import BOOL, POINT, TEXT, MapOf, Number, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point
@@ -46,6 +47,7 @@ EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
         "vehicle.late": {"step": Number(TIME)},
         "vehicle.collision": {"thing": TEXT},
         "vehicle.unstable": {"thing": TEXT},
+        "vehicle.crashed": {"thing": TEXT, "speed": Number(SPEED), "reason": TEXT},
     }
 )
 REACTIONS: Mapping[str, Reaction] = MappingProxyType(
@@ -116,11 +118,20 @@ class VehicleView:
     def home(self) -> Point:
         return self._seen.home
 
+    @property
+    def wind(self) -> Point:
+        """Raises EvaluationError for a vehicle without the capability."""
+        wind = self._seen.wind
+        if wind is None:
+            raise EvaluationError("this vehicle does not estimate the wind")
+        return wind
 
+
+_VELOCITY = MapOf(MappingProxyType(dict.fromkeys("xyz", Number(SPEED))))
 VEHICLE: Mapping[str, Type] = MappingProxyType(
     {
         "position": POINT,
-        "velocity": POINT,
+        "velocity": _VELOCITY,
         "yaw": Number(ANGLE),
         "altitude": Number(LENGTH),
         "speed": Number(SPEED),
@@ -130,6 +141,7 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
         "mode": TEXT,
         "authority": TEXT,
         "home": POINT,
+        "wind": _VELOCITY,
     }
 )
 

@@ -24,23 +24,26 @@ from cli.options import (
     limit_option,
     model_option,
     noise_option,
+    wind_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
-from fsm.language.reader import FLEET
-from hal import VehicleModel, backend_capabilities, flight_model, vehicle_model
+from hal import VehicleModel, backend_capabilities, flight_model
 from runner import missions
 from runner.by_vehicle import ALONE
 from runner.call_limit import CallLimit
-from runner.fleets import PreparedFleet, prepare_fleet
-from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.plan import Assignment, Plan, starts_of, with_model
-from runner.preparation import Prepared, prepare
+from runner.fleets import PreparedFleet, check_ways, prepare_any
+from runner.geometry import CLEARANCE, Findings
+from runner.plan import Assignment, Plan, with_model
 from runner.trial_flights import Trial, fly_trials
-from runner.vehicle_models import camera_conflicts, missing_capabilities, model_of
+from runner.vehicle_models import (
+    faults_of_models,
+    flight_of,
+    missing_capabilities,
+    models_of,
+)
 from vencejo.errors import Fault, UserError, Where
-from worlds import Start
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,7 @@ class Report:
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
 @noise_option("Disturb the commands of these flights, as for `run`.")
+@wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -109,6 +113,7 @@ def check(
     clearance: float,
     count: int | None,
     noise: float,
+    wind: str | None,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -122,15 +127,16 @@ def check(
     when all may but a flight did not end in `done`.
     """
     asked = _Asked(world, backend, model, limit_settings, clearance, not no_code)
-    if model is not None:
-        vehicle_model(asked.backend_name, model, Where("--model"))
+    flight = flight_model(backend or SIMULATOR, model)
+    limit_settings.terms(flight)  # refuses wrong limits before any mission is read
     with _no_garbage(), user_code(call_limit) as limit:
         reports = [_report(mission, asked, limit.calls) for mission in missions_]
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
+        own = {"noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
-            reports = [_flown(r, count, noise, limit_settings, limit) for r in reports]
+            reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
     else:
@@ -154,14 +160,18 @@ def _no_garbage() -> Iterator[None]:
 
 
 def _flown(
-    report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
+    report: Report,
+    count: int,
+    own: Mapping[str, object],
+    limit_settings: LimitSettings,
+    limit: CallLimit,
 ) -> Report:
     """The report with trial flights of a mission without errors."""
     if report.plan is None or report.of("error"):
         return report
     plan = replace(
         report.plan,
-        settings={"noise": noise},
+        settings=own,
         profile=limit_settings.profile,
         limits=limit_settings.limits,
     )
@@ -180,85 +190,64 @@ class _Asked:
     code: bool
     """Whether the Python files that missions use are run."""
 
-    @property
-    def backend_name(self) -> str:
-        return self.backend or SIMULATOR
-
-    def assignments(self, given: Mapping[str, Assignment]) -> dict[str, Assignment]:
-        return with_model(given, self.model, Where("--model"))
-
-    def look(self, flown: Assignment, start: Start, calls: Calls) -> Findings:
-        """What is found of a vehicle's mission. Raises UserError for a model that is not."""
-        backend, graph = self.backend_name, flown.prepared.graph
-        model = model_of(backend, flown)
-        flight = model.flight if model else flight_model(backend)
-        terms = Terms(flight, self.limit_settings.on(flight), self.clearance)
-        world, values = flown.prepared.world, flown.parameters
-        found = check_geometry(graph, world, terms, values, calls, start)
-        faults = [*self._lacks(flown, model), *found.faults]
-        return replace(found, faults=tuple(faults))
-
-    def _lacks(self, flown: Assignment, model: VehicleModel | None) -> Iterator[Fault]:
-        """Faults for what a vehicle cannot do, where it is said which one flies."""
-        graph, backend = flown.prepared.graph, self.backend_name
-        if model is not None:
-            yield from camera_conflicts(graph, model)
-        if self.backend is None and flown.model is None and flown.prepared.world.model is None:
-            return
-        who = f"the backend '{backend}'"
-        if model is not None:
-            who = f"the model '{model.name}' of {who}"
-        offered = model.capabilities if model else backend_capabilities(backend)
-        yield from missing_capabilities(graph, offered, who)
-
 
 def _report(mission: str, asked: _Asked, calls: Calls) -> Report:
     try:
-        prepared = prepare(missions.find(mission), asked.world, code=asked.code, calls=calls)
+        prepared = prepare_any(missions.find(mission), asked.world, code=asked.code, calls=calls)
     except UserError as error:
-        if error.code != FLEET:
-            return Report(mission, error.faults)
-    else:
-        return _mission_report(mission, prepared, asked, calls)
+        return Report(mission, error.faults)
+    if isinstance(prepared, PreparedFleet):
+        return _fleet_report(mission, prepared, asked, calls)
+    plan = Plan(with_model({ALONE: Assignment(prepared)}, asked.model, Where("--model")))
     try:
-        fleet = prepare_fleet(missions.find(mission), asked.world, code=asked.code, calls=calls)
-        return _fleet_report(mission, fleet, asked, calls)
-    except UserError as error:
-        return Report(mission, error.faults, fleet=True)
-
-
-def _mission_report(mission: str, prepared: Prepared, asked: _Asked, calls: Calls) -> Report:
-    plan = Plan(asked.assignments({ALONE: Assignment(prepared)}))
-    try:
-        found = asked.look(plan.assignments[ALONE], plan.starts[ALONE], calls)
+        findings = _looked(plan.assignments, asked, calls)
     except UserError as error:
         return Report(mission, error.faults)
     graph = prepared.graph
-    told = (*graph.warnings, *found.faults)
-    return Report(mission, told, (graph,), plan=plan, findings=found)
+    told = (*graph.warnings, *findings.faults)
+    return Report(mission, told, (graph,), plan=plan, findings=findings)
 
 
 def _fleet_report(mission: str, fleet: PreparedFleet, asked: _Asked, calls: Calls) -> Report:
-    assignments, faults = asked.assignments(fleet.assignments), list(fleet.faults)
-    unknown, moving, complete = list[str](), list[str](), True
-    for name, start in starts_of(assignments).items():
-        try:
-            found = asked.look(assignments[name], start, calls)
-        except UserError as error:
-            faults += error.faults
-            continue
-        faults += found.faults
-        unknown += [f"{name}: {state}" for state in found.unknown]
-        moving += found.moving
-        complete = complete and found.complete
+    assignments = with_model(fleet.assignments, asked.model, Where("--model"))
+    try:
+        findings = _looked(assignments, asked, calls)
+    except UserError as error:
+        return Report(mission, (*fleet.faults, *error.faults), fleet=True)
     return Report(
         mission,
-        tuple(dict.fromkeys(faults)),
+        tuple(dict.fromkeys((*fleet.faults, *findings.faults))),
         tuple(each.prepared.graph for each in assignments.values() if not each.stands),
         fleet=True,
         plan=Plan(assignments, fleet=fleet.fleet) if fleet.may_fly else None,
-        findings=Findings((), tuple(unknown), tuple(dict.fromkeys(moving)), complete),
+        findings=findings,
     )
+
+
+def _looked(assignments: Mapping[str, Assignment], asked: _Asked, calls: Calls) -> Findings:
+    """What is found of where vehicles fly, and of what their models can do. Raises UserError."""
+    backend = asked.backend or SIMULATOR
+    models = models_of(backend, assignments)
+    terms = {
+        name: asked.limit_settings.terms(flight_of(backend, model), asked.clearance)
+        for name, model in models.items()
+    }
+    faults = list(faults_of_models(assignments, models))
+    for name, model in models.items():
+        # Without a word on what flies, any vehicle may.
+        if asked.backend is not None or assignments[name].model_word is not None:
+            faults += _lacking(assignments[name].prepared.graph, backend, model)
+    found = check_ways(assignments, terms, calls)
+    return replace(found, faults=(*faults, *found.faults))
+
+
+def _lacking(graph: Graph, backend: str, model: VehicleModel | None) -> Iterator[Fault]:
+    """Faults for what a mission needs and a backend's vehicle does not offer."""
+    if model is None:
+        who, offered = f"the backend '{backend}'", backend_capabilities(backend)
+    else:
+        who, offered = f"the model '{model.name}' of the backend '{backend}'", model.capabilities
+    yield from missing_capabilities(graph, offered, who)
 
 
 def _shown(report: Report) -> dict[str, Any]:

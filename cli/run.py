@@ -29,30 +29,28 @@ from cli.options import (
     noise_option,
     renderer_option,
     shadows_option,
+    wind_option,
 )
 from cli.output import Output, echo_json
 from cli.signals import Interrupts
 from cli.user_code import user_code
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from fsm.language.reader import FLEET
-from hal import backend_names, flight_model
+from hal import backend_names
 from runner import missions
 from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
 from runner.by_vehicle import ALONE
 from runner.camera_file import joined, read_camera_file
-from runner.fleets import prepare_fleet, with_parameters
-from runner.geometry import Terms, check_geometry
+from runner.fleets import PreparedFleet, check_ways, prepare_any, with_parameters
 from runner.loop import Watcher, fly
 from runner.missions import Found
 from runner.pace import Pace
 from runner.plan import Assignment, Fleet, Plan, with_model
 from runner.posts import parse_posts
-from runner.preparation import prepare
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
-from runner.vehicle_models import camera_conflicts, model_of
+from runner.vehicle_models import faults_of_models, flight_of, models_of
 from vencejo.errors import Fault, OutputError, Stopped, UserError, Where
 
 if TYPE_CHECKING:
@@ -104,6 +102,10 @@ if TYPE_CHECKING:
     help="Times real time, or max. For the simulator.",
 )
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
+@wind_option(
+    "Let a wind blow in the simulator instead of the world's: speed and compass bearing it comes "
+    "from, such as 5m/s@270deg, or 3m/s@90deg,gusts=6m/s,turbulence=light; or none."
+)
 @click.option(
     "--camera",
     "wanted_cameras",
@@ -164,6 +166,7 @@ def run(
     seed: int,
     speed: float | None,
     noise: float,
+    wind: str | None,
     wanted_cameras: dict[str, dict[str, int | float] | None],
     camera_file: Path | None,
     renderer: str,
@@ -193,6 +196,7 @@ def run(
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
                 "noise": noise,
+                "wind": wind,
                 "cameras": joined(in_file, wanted_cameras),
                 "renderer": renderer,
                 "shadows": shadows,
@@ -264,37 +268,27 @@ def _assignments(
     """What each vehicle flies, and what joins those of a fleet; all warnings are added to
     ``doubtful``.
     """
-    try:
-        prepared = prepare(found, world, calls=calls)
-    except UserError as error:
-        if error.code != FLEET:
-            raise
-    else:
-        doubtful.extend(prepared.graph.warnings)
-        values = parse_parameters(prepared.graph, parameters, doubtful)
-        return {ALONE: Assignment(prepared, values)}, None
-    fleet = prepare_fleet(found, world, calls=calls)
-    fleet.require()
-    doubtful.extend(fleet.faults)
-    return with_parameters(fleet.assignments, parameters, doubtful), fleet.fleet
+    prepared = prepare_any(found, world, calls=calls)
+    if isinstance(prepared, PreparedFleet):
+        prepared.require()
+        doubtful.extend(prepared.faults)
+        return with_parameters(prepared.assignments, parameters, doubtful), prepared.fleet
+    doubtful.extend(prepared.graph.warnings)
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    return {ALONE: Assignment(prepared, values)}, None
 
 
 def _warn_of_ways(plan: Plan, limit_settings: LimitSettings, calls: Calls) -> None:
     """Show what the possible ways of missions meet in their world."""
-    starts = plan.starts
-    faults: list[Fault] = []
-    for name, flown in plan.assignments.items():
-        model = model_of(plan.backend, flown)
-        flight = model.flight if model else flight_model(plan.backend)
-        terms = Terms(flight, limit_settings.on(flight))
-        graph, values = flown.prepared.graph, flown.parameters
-        if model is not None:
-            faults += camera_conflicts(graph, model)
-        faults += check_geometry(graph, plan.world, terms, values, calls, starts[name]).faults
-    errors = [fault for fault in faults if fault.severity == "error"]
+    models = models_of(plan.backend, plan.assignments)
+    conflicts = list(faults_of_models(plan.assignments, models))
+    errors = [fault for fault in conflicts if fault.severity == "error"]
     if errors:
-        raise UserError.of(dict.fromkeys(errors))
-    for fault in dict.fromkeys(faults):
+        raise UserError.of(errors)
+    terms = {
+        name: limit_settings.terms(flight_of(plan.backend, model)) for name, model in models.items()
+    }
+    for fault in (*conflicts, *check_ways(plan.assignments, terms, calls).faults):
         click.echo(str(fault), err=True)
 
 
@@ -392,7 +386,9 @@ def _watchers(
 
     # Elsewhere the world's things do not stand where its file says.
     world = plan.world if plan.backend == "sim" else None
-    return [stack.enter_context(LiveView(console, world, speed)), _Reader(out, stops)]
+    fleet, vehicles = plan.fleet.name if plan.fleet else "", list(plan.assignments)
+    live = LiveView(console, world, speed, fleet=fleet, vehicles=vehicles)
+    return [stack.enter_context(live), _Reader(out, stops)]
 
 
 def _console(out: Output) -> Console:

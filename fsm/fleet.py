@@ -205,6 +205,9 @@ def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faul
         files = [file.relative_to(folder).as_posix() for file in folder.glob("**/*.y*ml")]
         message = f"there is no file '{word.text}'"
         raise UserError("no-such-file", message, word.where, nearest_file(word.text, files))
+    if path.suffix == ".scxml":
+        message = "a fleet's missions are written in YAML, and this is SCXML"
+        raise UserError("not-a-mission", message, word.where)
     spec = read_mission(path, str(PurePosixPath(shown).parent / word.text))
     return Member(name, spec, path, with_, model, start, color)
 

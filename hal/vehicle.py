@@ -96,6 +96,9 @@ class Observation(NamedTuple):
     events: tuple[VehicleEvent, ...] = ()
     """The events of this period, for instance ``vehicle.collision`` for each thing that it begins
     to touch, except the one that it stands or comes down on."""
+    wind: Point | None = None
+    """The wind where it is, as the vehicle estimates it: the velocity of the air, world frame, m/s;
+    None without the capability ``wind``."""
 
 
 class Velocity(NamedTuple):

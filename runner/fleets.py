@@ -10,7 +10,7 @@ from typing import Any
 from behaviors import Calls, drone_vocabulary
 from fsm import Graph, compile_mission, read_mission_text
 from fsm.compiler.parameters import parse_given
-from fsm.expressions.scope import start
+from fsm.expressions.scope import start as first_letter
 from fsm.faults import Faults
 from fsm.fleet import (
     FleetSpec,
@@ -21,10 +21,13 @@ from fsm.fleet import (
     given_parameters,
     read_fleet,
 )
+from fsm.language.reader import FLEET
 from hal.lights import Rgb
+from runner.by_vehicle import ALONE, are_alone
+from runner.geometry import Findings, Terms, check_geometry
 from runner.missions import Found
 from runner.plan import Assignment, Fleet, starts_of
-from runner.preparation import Prepared, prepare_member, world_word
+from runner.preparation import Prepared, prepare, prepare_member, world_word
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.files import named_from
 from worlds import Start, World, find_world
@@ -54,6 +57,16 @@ class PreparedFleet:
     """Errors and warnings, also of its missions."""
 
     @property
+    def files(self) -> list[Path]:
+        """The fleet's own file, then those of its missions, with resolved paths."""
+        own = [self.fleet.file] if self.fleet.file else []
+        paths = [
+            *own,
+            *(path for each in self.assignments.values() for path in each.prepared.files),
+        ]
+        return list(dict.fromkeys(path.resolve() for path in paths))
+
+    @property
     def may_fly(self) -> bool:
         """Whether nothing is wrong that is an error."""
         return all(fault.severity != "error" for fault in self.faults)
@@ -71,6 +84,22 @@ def standing(world: World, word: str) -> Prepared:
     return Prepared(Found(Path(spec.file), spec.file), spec, graph, world, word, ())
 
 
+def prepare_any(
+    found: Found, world: str | None = None, *, code: bool = True, calls: Calls | None = None
+) -> Prepared | PreparedFleet:
+    """A mission (see :func:`runner.preparation.prepare`), or a fleet where the file is one (see
+    :func:`prepare_fleet`). Raises UserError.
+    """
+    try:
+        return prepare(found, world, code=code, calls=calls)
+    except UserError as error:
+        where = error.faults[0].where
+        # A mission may include a fleet by mistake.
+        if error.code != FLEET or where is None or where.file != found.shown_as:
+            raise
+    return prepare_fleet(found, world, code=code, calls=calls)
+
+
 def prepare_fleet(
     found: Found, world: str | None = None, *, code: bool = True, calls: Calls | None = None
 ) -> PreparedFleet:
@@ -83,23 +112,32 @@ def prepare_fleet(
     word, where = world_word(spec.world, found.path.parent, world)
     place = find_world(word, where), word
     peers = [name.text for name in spec.names]
-    flown: dict[str, Prepared] = {}
+    assignments: dict[str, Assignment] = {}
+    known: dict[Path | None, Prepared] = {}
+    """By file: of many vehicles that fly one mission it is checked once."""
     for member in spec.members:
+        start, color = _start(member, place[0], faults), _color(member, faults)
         with faults.collecting():
-            prepared = _prepared(member, place, peers, code=code, calls=calls)
-            flown[member.name.text] = prepared
-            faults.extend(prepared.graph.warnings if member.spec else ())
-    graphs = {name: prepared.graph for name, prepared in flown.items()}
+            if member.path not in known:
+                found_here = _prepared(member, place, peers, code=code, calls=calls)
+                known[member.path] = found_here
+                faults.extend(found_here.graph.warnings if member.spec else ())
+            prepared = known[member.path]
+            assignments[member.name.text] = Assignment(
+                prepared,
+                given_parameters(member, prepared.graph, Faults()),  # `check_fleet` tells of them
+                stands=member.spec is None,
+                model=named_from(found.path.parent, member.model.text) if member.model else None,
+                model_where=member.model.where if member.model else None,
+                start=start,
+                color=color,
+            )
+    graphs = {name: each.prepared.graph for name, each in assignments.items()}
     faults.extend(check_fleet(spec, graphs))
     if spec.members and all(member.spec is None for member in spec.members) and not spec.until:
         message = "no vehicle of this fleet has a mission, and nothing says when it ends"
         hint = "give one a mission, or the fleet an `until`"
         faults.fail("no-mission", message, spec.names[0].where, hint)
-    assignments = {
-        member.name.text: _assignment(member, flown[member.name.text], found.path.parent, faults)
-        for member in spec.members
-        if member.name.text in flown
-    }
     faults.extend(_faults_of_starts(spec, assignments, place[0]))
     until = _until(spec, graphs) if not faults.errors else None
     fleet = Fleet(spec.name, until, found.path)
@@ -121,28 +159,21 @@ def _prepared(
     return prepare_member(member.spec, found, place, peers, code=code, calls=calls)
 
 
-def _assignment(member: Member, prepared: Prepared, folder: Path, faults: Faults) -> Assignment:
-    """What a vehicle of a fleet in ``folder`` flies; what is wrong with the rest of it goes to
-    ``faults``.
-    """
-    where: Start | None = None
-    color: Rgb | None = None
+def _start(member: Member, world: World, faults: Faults) -> Start | None:
+    """The start that a fleet gives to a vehicle; what is wrong with it goes to ``faults``."""
     if member.start is not None:
         with faults.collecting():
             spot, heading = START.read(member.start)
-            where = Start(place_of(prepared.world.ground.terrain, spot), heading)
+            return Start(place_of(world.ground.terrain, spot), heading)
+    return None
+
+
+def _color(member: Member, faults: Faults) -> Rgb | None:
+    """The colour that a fleet gives to a vehicle; what is wrong with it goes to ``faults``."""
     if member.color is not None:
         with faults.collecting():
-            color = COLOR.read(member.color)
-    return Assignment(
-        prepared,
-        given_parameters(member, prepared.graph, Faults()),  # `check_fleet` has told its faults
-        stands=member.spec is None,
-        model=named_from(folder, member.model.text) if member.model else None,
-        model_where=member.model.where if member.model else None,
-        start=where,
-        color=color,
-    )
+            return COLOR.read(member.color)
+    return None
 
 
 def _faults_of_starts(
@@ -167,7 +198,32 @@ def _faults_of_starts(
 def _until(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Until | None:
     if spec.until is None:
         return None
-    return compile_until(spec.until.text, start(spec.until), graphs, Faults())
+    return compile_until(spec.until.text, first_letter(spec.until), graphs, Faults())
+
+
+def check_ways(
+    assignments: Mapping[str, Assignment], terms: Mapping[str, Terms], calls: Calls | None = None
+) -> Findings:
+    """Look at where each vehicle of a run may fly (see :func:`runner.geometry.check_geometry`), on
+    its own ``terms``; of several, what is found says of which.
+    """
+    found = {}
+    for name, start in starts_of(assignments).items():
+        flown = assignments[name]
+        graph, world = flown.prepared.graph, flown.prepared.world
+        found[name] = check_geometry(graph, world, terms[name], flown.parameters, calls, start)
+    if are_alone(found):
+        return found[ALONE]
+    return Findings(
+        tuple(
+            replace(fault, message=f"{name}: {fault.message}")
+            for name, each in found.items()
+            for fault in each.faults
+        ),
+        tuple(f"{name}: {state}" for name, each in found.items() for state in each.unknown),
+        tuple(dict.fromkeys(thing for each in found.values() for thing in each.moving)),
+        all(each.complete for each in found.values()),
+    )
 
 
 def with_parameters(

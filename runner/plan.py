@@ -37,6 +37,11 @@ class Assignment:
     """The colour of its hull; None for one that its name decides."""
 
     @property
+    def model_word(self) -> str | None:
+        """The word for its model: its own, or else its world's; None for the default."""
+        return self.model or self.prepared.world.model
+
+    @property
     def all_parameters(self) -> dict[str, Any]:
         """Their values, with the defaults of those that are not given."""
         known = self.prepared.graph.parameters

@@ -2,24 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 from fsm import Graph
 from fsm.chart.graph import Node
-from hal import VehicleModel, backend_models, vehicle_model
+from hal import FlightModel, VehicleModel, backend_models, flight_model, vehicle_model
 from runner.plan import Assignment
-from vencejo.errors import Fault, Severity, Where
+from vencejo.errors import Fault, Severity, UserError, Where
 
 _CAMERA = "camera."
 
 
-def model_of(backend: str, flown: Assignment) -> VehicleModel | None:
-    """The model of a vehicle: its own, its world's, or the backend's default.
+def models_of(
+    backend: str, assignments: Mapping[str, Assignment]
+) -> dict[str, VehicleModel | None]:
+    """The model of each vehicle: its own, its world's, or the backend's default.
 
     None for a backend without models. Raises UserError (``unknown-model``, ``no-models``, and every
     fault of a model's file).
     """
+    found, faults = dict[str, VehicleModel | None](), list[Fault]()
+    for name, flown in assignments.items():
+        try:
+            found[name] = _model_of(backend, flown)
+        except UserError as error:
+            faults += error.faults
+    if faults:
+        raise UserError.of(dict.fromkeys(faults))
+    return found
+
+
+def _model_of(backend: str, flown: Assignment) -> VehicleModel | None:
     if flown.model is not None:
         return vehicle_model(backend, flown.model, flown.model_where)
     world = flown.prepared.world
@@ -28,10 +42,25 @@ def model_of(backend: str, flown: Assignment) -> VehicleModel | None:
     return vehicle_model(backend, world.model, Where(str(world.source)) if world.model else None)
 
 
-def camera_conflicts(graph: Graph, model: VehicleModel) -> Iterator[Fault]:
-    """Faults for what needs two cameras at once, on a model with one active camera."""
-    if not model.one_active_camera:
-        return
+def flight_of(backend: str, model: VehicleModel | None) -> FlightModel | None:
+    """How the vehicles of a backend and model fly; None where that is not known."""
+    return model.flight if model else flight_model(backend)
+
+
+def faults_of_models(
+    assignments: Mapping[str, Assignment], models: Mapping[str, VehicleModel | None]
+) -> Iterator[Fault]:
+    """Faults for missions that ask two things at once of which their vehicle's model has one."""
+    told = set[Fault]()
+    for name, model in models.items():
+        if model is not None and model.one_active_camera:
+            for fault in _camera_conflicts(assignments[name].prepared.graph, model):
+                if fault not in told:
+                    told.add(fault)
+                    yield fault
+
+
+def _camera_conflicts(graph: Graph, model: VehicleModel) -> Iterator[Fault]:
     users = [node for node in graph.nodes if _cameras(node)]
     for node in users:
         if len(_cameras(node)) > 1:

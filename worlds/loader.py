@@ -21,6 +21,7 @@ from worlds.kinds import BEACON, KINDS
 from worlds.starts import PlannedStart, bad_starts, overlapping, starts_outside
 from worlds.terrain import place_of
 from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
+from worlds.wind import WIND
 from worlds.world import Start, World
 
 FIELDS: Mapping[str, Field] = MappingProxyType(
@@ -30,6 +31,7 @@ FIELDS: Mapping[str, Field] = MappingProxyType(
         "origin": Field(ORIGIN, None),
         "ground": GROUND,
         "light": LIGHT,
+        "wind": Field(WIND, None),
         "start": Field(STARTS, None),
         "battery": Field(SHARE, 1.0),
         "model": Field(TEXT, None),
@@ -121,6 +123,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         sha256=_digest([file.read_bytes() for file in files] or [text.encode()]),
         things=things,
         light=keys["light"],
+        wind=keys["wind"],
         fence=keys["fence"],
         roads=tuple(road.road(key.text) for key, road in named["roads"].entries),
         text=text,

@@ -91,9 +91,11 @@ def hovering(
         yield session, vehicle
 
 
-def session_of(world: World, vehicles: tuple[str, ...] = ("drone",)) -> SimSession:
+def session_of(
+    world: World, vehicles: tuple[str, ...] = ("drone",), **settings: object
+) -> SimSession:
     """The simulator on a world that is in no file."""
-    return SimSession(Options(named(*vehicles)), world, Bullet())
+    return SimSession(Options(named(*vehicles), settings=settings), world, Bullet())
 
 
 def told(seen: Iterable[Observation]) -> list[tuple[str, str]]:

@@ -327,6 +327,7 @@ def test_a_flight_without_pictures_imports_nothing_for_them() -> None:
     "given",
     [
         {},
+        {"wind": "5m/s@270deg,gusts=8m/s"},
         {"noise": True, "renderer": "tiny", "shadows": True, "sensors": {"down": {"rate": 10}}},
         {"cameras": {"front": None, "rear": {"pan": 3.0, "distortion": [0.1, 0.0, 0.0, 0.0]}}},
         {"cameras": {"ventral": {"at": (0.0, 0.1, 0.0), "view": 1.0, "width": 64}}},
@@ -338,6 +339,6 @@ def test_a_session_gives_back_its_settings(given: dict[str, object]) -> None:
             return session.settings
 
     found = settings(given)
-    assert set(found) == {"noise", "cameras", "sensors", "renderer", "shadows"}
+    assert set(found) == {"noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows"}
     # Through JSON, as a log has them; and in the same sequence.
     assert json.dumps(settings(json.loads(json.dumps(found)))) == json.dumps(found)

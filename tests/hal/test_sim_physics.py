@@ -71,7 +71,7 @@ def test_a_push_is_along_the_bodys_own_axes(physics: Bullet) -> None:
     physics.step()
     _, _, velocity, turning = thing.state()
     assert velocity == pytest.approx((0, -1.5 * STEP, -GRAVITY * STEP), abs=1e-9)
-    assert turning == pytest.approx((STEP, -STEP, STEP), rel=1e-3)
+    assert turning == pytest.approx((STEP, STEP, STEP), rel=1e-3)
     before = thing.state()
     physics.step()
     assert thing.state()[2][1] == pytest.approx(before[2][1]), "a push lasts for one step"
@@ -178,6 +178,9 @@ def test_a_closed_session_advances_no_more() -> None:
         (Options(settings={"noise": "loud"}), "bad-setting"),
         (Options(settings={"noise": -1}), "bad-setting"),
         (Options(settings={"shadows": "no"}), "bad-setting"),
+        (Options(settings={"wind": 5}), "bad-setting"),
+        (Options(settings={"wind": "5 m/s"}), "wrong-type"),
+        (Options(settings={"wind": "5 m/s@270 deg,gusts=3 m/s"}), "bad-gusts"),
         (Options(settings={"noise": float("inf")}), "bad-setting"),
         (Options(world="yrad"), "unknown-world"),
         (Options(address="udp:14540"), "no-address"),
