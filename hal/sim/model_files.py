@@ -16,6 +16,7 @@ from hal.sim.plausibility import impossibilities
 from hal.sim.sensors.camera_spec import CameraSpec, read_cameras
 from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.files import is_file_word
 from vencejo.nodes import YamlNode, read_file
 from vencejo.units import (
     ANGLE,
@@ -142,7 +143,7 @@ def load_model(word: str = DEFAULT, where: Where | None = None) -> Model:
     ``where`` is the place that names it. Raises UserError (``unknown-model``, every fault of the
     file, and ``impossible-model`` for what no vehicle can be).
     """
-    if word.endswith((".yaml", ".yml")) or "/" in word:
+    if is_file_word(word):
         return _read(Path(word))
     if word not in model_names():
         hint = nearest(word, model_names(), "a file is named by its path: models/mine.yaml")
