@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 from hal.sim.bullet import Bullet
+from hal.sim.mujoco import Mujoco
 from hal.sim.physics import STEP, Body, Physics, Triple
 from vencejo.geometry import Point, Quaternion, yaw_quaternion
 from worlds import figures
 from worlds.things import UPRIGHT, Motion, Terrain, Thing
 
-ENGINES: Mapping[str, Callable[[], Physics]] = {"bullet": Bullet}
+ENGINES: Mapping[str, Callable[[], Physics]] = {"bullet": Bullet, "mujoco": Mujoco}
 SIZE = (0.5, 0.5, 0.12)
 """Of a vehicle, metres."""
 WEIGHT = 0.436 * 9.80665

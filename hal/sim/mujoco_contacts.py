@@ -1,0 +1,92 @@
+"""Who touches whom in MuJoCo. World frame, metres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+from hal.sim.physics import GAP, Triple
+
+
+class Touchable(Protocol):
+    """What a shape belongs to."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def free(self) -> bool:
+        """True for a free body, whose path nothing determines."""
+
+    @property
+    def restless(self) -> bool:
+        """True for what moves or may begin to: nothing sleeps that touches it."""
+
+    def velocity_at(self, place: Triple) -> Triple:
+        """The velocity with which it carries along what is there, m/s."""
+
+
+class Contact(NamedTuple):
+    """A place at which something is touched."""
+
+    other: Touchable
+    """By what."""
+    place: Triple
+    """On the other's surface."""
+    normal: Triple
+    """Of that surface, towards what is touched."""
+
+
+class MujocoContacts:
+    """The contacts of the last step, which are those of the poses before it."""
+
+    def __init__(self) -> None:
+        self._data: Any = None
+        self._owners: Sequence[Touchable] = ()
+        self._pairs: list[tuple[Touchable, Touchable, int]] | None = []
+        self.outdated = False
+        """True when the engine does not know them, before the next step."""
+
+    def bind(self, data: Any, owners: Sequence[Touchable]) -> None:
+        """Read them from these data from now on; ``owners``: of each shape, by its number."""
+        self._data, self._owners, self._pairs = data, owners, None
+        self.outdated = True
+
+    def renew(self) -> None:
+        """Forget those of the last step: there was another one."""
+        self._pairs = None
+        self.outdated = False
+
+    def outdate(self) -> None:
+        """Something was put elsewhere: only a look at its new place can tell what it touches."""
+        self.outdated = True
+
+    def pairs(self) -> list[tuple[Touchable, Touchable, int]]:
+        """The two that touch, and the number of the contact; the normal points to the second."""
+        if self._pairs is None:
+            found = self._data.contact
+            shapes, gaps = found.geom.tolist(), found.dist.tolist()
+            self._pairs = [
+                (self._owners[one], self._owners[two], number)
+                for number, ((one, two), gap) in enumerate(zip(shapes, gaps, strict=True))
+                if gap < GAP
+            ]
+        return self._pairs
+
+    def of(self, body: Touchable) -> list[Contact]:
+        """What touches a body."""
+        return [
+            self._contact(two if one is body else one, number, 1.0 if two is body else -1.0)
+            for one, two, number in self.pairs()
+            if one is body or two is body
+        ]
+
+    def _contact(self, other: Touchable, number: int, sign: float) -> Contact:
+        contact = self._data.contact[number]
+        x, y, z, *_ = contact.frame.tolist()
+        a, b, c = contact.pos.tolist()
+        normal = sign * x, sign * y, sign * z
+        half = contact.dist / 2  # the place that MuJoCo tells is half-way between the surfaces
+        return Contact(
+            other, (a - half * normal[0], b - half * normal[1], c - half * normal[2]), normal
+        )
