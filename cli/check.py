@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -20,6 +20,7 @@ from cli.options import (
     MissionName,
     WorldName,
     call_limit_option,
+    engine_option,
     limit_option,
     noise_option,
 )
@@ -88,6 +89,7 @@ class Report:
     metavar="N",
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
+@engine_option
 @noise_option("Disturb the commands of these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
@@ -100,6 +102,7 @@ def check(
     limit_settings: LimitSettings,
     clearance: float,
     count: int | None,
+    engine: str | None,
     noise: float,
     strict: bool,
     no_code: bool,
@@ -124,7 +127,8 @@ def check(
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
         with user_code(call_limit) as limit:
-            reports = [_flown(r, count, noise, limit_settings, limit) for r in reports]
+            own = {"engine": engine, "noise": noise}
+            reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
     else:
@@ -148,13 +152,17 @@ def _no_garbage() -> Iterator[None]:
 
 
 def _flown(
-    report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
+    report: Report,
+    count: int,
+    own: Mapping[str, object],
+    limit_settings: LimitSettings,
+    limit: CallLimit,
 ) -> Report:
     """The report with trial flights of a mission without errors."""
     if report.prepared is None or report.of("error"):
         return report
     plan = replace(
-        Plan.alone(report.prepared, settings={"noise": noise}),
+        Plan.alone(report.prepared, settings=own),
         profile=limit_settings.profile,
         limits=limit_settings.limits,
     )

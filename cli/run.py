@@ -24,6 +24,7 @@ from cli.options import (
     call_limit_option,
     cameras,
     complete_parameter,
+    engine_option,
     limit_option,
     noise_option,
     renderer_option,
@@ -95,6 +96,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Times real time, or max. For the simulator.",
 )
+@engine_option
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
 @click.option(
     "--camera",
@@ -154,6 +156,7 @@ def run(
     limit_settings: LimitSettings,
     seed: int,
     speed: float | None,
+    engine: str | None,
     noise: float,
     wanted_cameras: dict[str, dict[str, int | float] | None],
     camera_file: Path | None,
@@ -183,6 +186,7 @@ def run(
         if backend == "sim":
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
+                "engine": engine,
                 "noise": noise,
                 "cameras": joined(in_file, wanted_cameras),
                 "renderer": renderer,

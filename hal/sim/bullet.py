@@ -48,9 +48,10 @@ def load_pybullet() -> Any:
             except ImportError as error:
                 raise VehicleError(
                     "no-physics",
-                    f"the simulator needs pybullet, which is not installed ({error})",
-                    hint='run: pip install "vencejo[sim]" (ready-made up to CPython 3.11 on Linux '
-                    "x86-64; elsewhere it compiles for about seven minutes)",
+                    f"this needs pybullet, which is not installed ({error})",
+                    hint='for flights leave --engine out, or run: pip install "vencejo[bullet]" '
+                    "(ready-made up to CPython 3.11 on Linux x86-64; elsewhere it compiles for "
+                    "about seven minutes)",
                 ) from None
     return module
 

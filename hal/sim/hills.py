@@ -111,7 +111,8 @@ def ridges(terrain: Terrain) -> Iterator[Ridge]:
 
     def corner(place: tuple[int, int]) -> Point:
         i, j = place
-        return Point(*((k / last - 0.5) * terrain.size for k in (j, i)), terrain.heights[i][j])
+        x, y = ((k / last - 0.5) * terrain.size for k in (j, i))
+        return Point(x, y, terrain.heights[i][j])
 
     for i, j in product(range(last + 1), repeat=2):
         # Each edge from (i, j) or across its cell, and the corners of the triangles beside it.

@@ -39,7 +39,7 @@ def load_mujoco() -> Any:
         except ImportError as error:
             raise VehicleError(
                 "no-physics",
-                f"this needs the physics engine MuJoCo, which is not installed ({error})",
+                f"the simulator needs MuJoCo, which is not installed ({error})",
                 hint='run: pip install "vencejo[mujoco]"',
             ) from None
         # It would write its warnings to standard error and into a file in the current folder.
@@ -119,13 +119,15 @@ class Mujoco:
             return
         for mover in self._movers:
             mover.drive(steps)
-        if self._terrain is not None:
-            for body in moving:
+        for body in moving:
+            body.act()
+            if self._terrain is not None:
                 self._keep_above(body, self._terrain)
         self._advance(moving)
         self._data.qfrc_applied.fill(0.0)
         self._contacts.renew()
-        self._wake_touched()
+        if len(moving) < len(self._bodies):
+            self._wake_touched()
         for body in moving:
             body.read()
         if self._steps % _STEPS_BETWEEN_LOOKS == 0:
@@ -140,6 +142,7 @@ class Mujoco:
         self._owners = self._scene.owners()
         self._contacts.bind(data, self._owners)
         self._compiled = True
+        self._show()  # rays meet nothing before
 
     def _advance(self, moving: Sequence[MujocoBody]) -> None:
         """Make a step, in parts where something may be hit fast."""
@@ -200,7 +203,7 @@ class Mujoco:
     def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> MujocoRayHits:
         self._compile()
         if self._movers:
-            self._show_movers()
+            self._show()
         begins, ways = np.array(starts, float), np.array(ends, float)
         ways -= begins
         lengths = np.sqrt((ways * ways).sum(axis=1))
@@ -223,8 +226,8 @@ class Mujoco:
             *(shapes, distances, None, count, longest),
         )
 
-    def _show_movers(self) -> None:
-        """Put moving things where they are now, for rays."""
+    def _show(self) -> None:
+        """Put all shapes where they are now, for rays."""
         for mover in self._movers:
             mover.show(self._steps)
         self._mj.mj_kinematics(self._model, self._data)

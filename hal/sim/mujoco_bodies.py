@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from math import dist
+from math import dist, isnan
 from typing import Any
 
 from hal.sim.mujoco_contacts import MujocoContacts
@@ -71,9 +71,9 @@ class MujocoMover:
         if steps % STRETCH_STEPS == 0 or steps != self._steps:
             self._steps = -1  # exactly on its path: errors do not add up
             self.show(steps)
-            begin = steps // STRETCH_STEPS * STRETCH_TIME
-            poses = (pose_at(self._thing, time) for time in (begin, begin + STRETCH_TIME))
-            self._velocity, self.turning = velocities(*poses, STRETCH_TIME)
+            time = steps // STRETCH_STEPS * STRETCH_TIME
+            begin, end = pose_at(self._thing, time), pose_at(self._thing, time + STRETCH_TIME)
+            self._velocity, self.turning = velocities(begin, end, STRETCH_TIME)
         self._rate[:] = *self._velocity, *in_body(self.turning, self.pose()[1])
         self._steps = steps + 1
 
@@ -97,9 +97,7 @@ class MujocoBody:
 
     free = True
 
-    def __init__(
-        self, name: str, state: BodyState, size: Triple, contacts: MujocoContacts
-    ) -> None:
+    def __init__(self, name: str, state: BodyState, size: Triple, contacts: MujocoContacts) -> None:
         """``size``: its sides, metres."""
         self.name = name
         self.restless = True
@@ -117,6 +115,8 @@ class MujocoBody:
         """What it is moored to."""
         self._offset: Pose = (Point(*_AT_REST), (0.0, 0.0, 0.0, 1.0))
         """Its pose on that."""
+        self._pushes: list[tuple[Triple, Triple]] = []
+        """For the next step."""
         self.withdrawn = False
         """True while it is out of the simulation."""
         self._place: Any = None
@@ -145,22 +145,32 @@ class MujocoBody:
         """Its velocity, m/s: nothing stands on it."""
         return self._state[2]
 
-    def push(self, thrust: float, x: float, y: float, z: float) -> None:
+    def push(self, force: Triple, torque: Triple) -> None:
         self._pushed = True
         self.wake()
-        # MuJoCo wants the force along the world's axes and the torque about the body's.
-        self._force += *turned((0.0, 0.0, thrust), self._state[1]), x, y, z
+        self._pushes.append((force, torque))
+
+    def act(self) -> None:
+        """Apply the pushes for the next step."""
+        for force, torque in self._pushes:
+            # MuJoCo wants the force along the world's axes and the torque about the body's.
+            self._force += *turned(force, self._state[1]), *torque
+        self._pushes.clear()
 
     def is_fast(self, limit: float) -> bool:
-        """Whether a place on it may be faster than a limit, m/s."""
-        _, _, (u, v, w), (a, b, c) = self._state
+        """Whether a place on it may be faster than a limit, m/s; what carries it counts as still."""
+        at, _, (u, v, w), (a, b, c) = self._state
         turning = self._reach**2 * (a * a + b * b + c * c)
-        return u * u + v * v + w * w + turning > limit * limit
+        if u * u + v * v + w * w + turning < limit * limit:
+            return False
+        others = (contact.other for contact in self._contacts.of(self))
+        carrier = next((other for other in others if isinstance(other, MujocoMover)), None)
+        return carrier is None or dist(carrier.velocity_at(at), (u, v, w)) > limit
 
     def read(self) -> None:
         """Take over its state from the engine after a step. Raises VehicleError."""
         x, y, z, qw, qx, qy, qz = self._place.tolist()
-        if x != x:
+        if isnan(x):
             raise VehicleError("no-physics", f"MuJoCo has lost the body '{self.name}'")
         self._resting = ()
         u, v, w, a, b, c = self._rate.tolist()

@@ -63,7 +63,9 @@ class MujocoContacts:
 
     def pairs(self) -> list[tuple[Touchable, Touchable, int]]:
         """The two that touch, and the number of the contact; the normal points to the second."""
-        if self._pairs is None:
+        if self._pairs is None and not self._data.ncon:
+            self._pairs = []
+        elif self._pairs is None:
             found = self._data.contact
             shapes, gaps = found.geom.tolist(), found.dist.tolist()
             self._pairs = [

@@ -135,13 +135,16 @@ class MujocoScene(Generic[Owner]):
     def add_body(self, mass: float, inertia: Triple, size: Triple, owner: Owner) -> Any:
         """Add a cuboid that moves freely: its description, which has its number."""
         body = self._add_free(mass, inertia)
-        kinds, shape = self._mj.mjtGeom, {"group": HIDDEN, "gap": NOTICE, "contype": _BODY}
+        kinds = self._mj.mjtGeom
+        shape: dict[str, Any] = {"group": HIDDEN, "gap": NOTICE, "contype": _BODY}
         half = [side / 2 for side in size]
         self._add(body, owner, type=kinds.mjGEOM_BOX, size=half, **shape, conaffinity=_ALL)
         shape |= {"contype": 0, "conaffinity": _HILLS}
         radius = min(_RADIUS, *half)
         for place in _feet(size, radius):
-            self._add(body, owner, type=kinds.mjGEOM_SPHERE, size=(radius, 0, 0), pos=place, **shape)
+            self._add(
+                body, owner, type=kinds.mjGEOM_SPHERE, size=(radius, 0, 0), pos=place, **shape
+            )
         return body
 
     def _add_free(self, mass: float, inertia: Triple) -> Any:

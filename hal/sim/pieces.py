@@ -26,6 +26,4 @@ def pieces_of(thing: Thing) -> list[Piece]:
             Piece(thing.name, part.shape, *part_pose(part, thing.at, thing.attitude))
             for part in solid_parts(thing)
         ]
-    return [
-        Piece(thing.name, part.shape, part.at, part.attitude) for part in solid_parts(thing)
-    ]
+    return [Piece(thing.name, part.shape, part.at, part.attitude) for part in solid_parts(thing)]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isfinite
 
+from hal.engines import check_engine
 from hal.renderers import check_renderer
 from hal.sim.sensors.camera_spec import (
     DEFAULT_CAMERAS,
@@ -16,13 +17,15 @@ from hal.sim.sensors.camera_spec import (
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 
-_KNOWN = ("noise", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("engine", "noise", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
 class Settings:
     """The simulator's settings, checked."""
 
+    engine: str
+    """The name of the physics engine."""
     noise: float
     """Factor of the command noise, 0 for none."""
     cameras: Mapping[str, CameraSpec]
@@ -37,7 +40,8 @@ class Settings:
 def read_settings(given: Mapping[str, object]) -> Settings:
     """Check the given settings and complete them by defaults.
 
-    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-renderer``).
+    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-engine``,
+    ``unknown-renderer``).
     """
     for name in given:
         if name not in _KNOWN:
@@ -57,6 +61,7 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     if not isinstance(shadows, bool):
         raise UserError("bad-setting", f"'shadows' must be true or false, not {shadows!r}")
     return Settings(
+        check_engine(given.get("engine")),
         float(noise),
         read_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
@@ -69,6 +74,7 @@ def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
     without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
     return {
+        "engine": settings.engine,
         "noise": settings.noise,
         "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},

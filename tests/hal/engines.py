@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from hal.sim.bullet import Bullet
 from hal.sim.mujoco import Mujoco
 from hal.sim.physics import STEP, Body, Physics, Triple
-from vencejo.geometry import Point, Quaternion, yaw_quaternion
+from vencejo.geometry import Point, Pose, Quaternion, yaw_quaternion
 from worlds import figures
 from worlds.things import UPRIGHT, Motion, Terrain, Thing
 
@@ -42,6 +42,18 @@ def box(
 ) -> Thing:
     parts = figures.box(size, (0, 0, 0))
     return Thing(name, "box", at, yaw_quaternion(heading), parts, True, motion)
+
+
+def mover_pose(physics: Physics) -> Pose:
+    """Where the one moving thing of a simulation is."""
+    if isinstance(physics, Mujoco):
+        physics._show()
+        return physics._movers[0].pose()
+    assert isinstance(physics, Bullet)
+    place, attitude = physics._p.getBasePositionAndOrientation(
+        physics._movers[0].body, physics._client
+    )
+    return Point(*place), attitude
 
 
 def run(physics: Physics, seconds: float) -> None:
