@@ -82,7 +82,7 @@ class Mujoco:
     def add_things(self, things: Sequence[Thing], terrain: Terrain | None = None) -> None:
         self._compiled = False
         if terrain is not None and any(map(any, terrain.heights)):
-            self._scene.add_terrain(terrain, MujocoFixed(""))
+            self._scene.add_terrain(terrain, MujocoFixed("", slippery=False))
             self._terrain, self._top = terrain, max(map(max, terrain.heights))
         for thing in things:
             pieces = pieces_of(thing)
@@ -150,12 +150,32 @@ class Mujoco:
         if self._contacts.outdated:  # otherwise a first step would not know that it is near a thing
             mj.mj_fwdPosition(model, data)
         fast = _FAST if data.ncon else _TOO_FAST
-        if any(body.is_fast(fast) for body in moving):
-            model.opt.timestep = STEP / SUBSTEPS
-            mj.mj_step(model, data, SUBSTEPS)
-            model.opt.timestep = STEP
+        count = SUBSTEPS if any(body.is_fast(fast) for body in moving) else 1
+        model.opt.timestep = STEP / count
+        if any(body.slides() for body in moving):
+            for _ in range(count):
+                self._slide(moving, STEP / count)
         else:
-            mj.mj_step(model, data)
+            mj.mj_step(model, data, count)
+
+    def _slide(self, moving: Sequence[MujocoBody], seconds: float) -> None:
+        """Make a step in which something slides.
+
+        In MuJoCo's convex model of friction what slides is also thrown upwards, by as much as
+        friction is asked to slow it down: at first, to a stand within the step. So it is asked for
+        no more than the force of gravity and of the impact can bring about. `mj_step` is made of
+        the same calls.
+        """
+        mj, model, data = self._mj, self._model, self._data
+        mj.mj_fwdPosition(model, data)
+        for body in moving:
+            body.read()
+        self._contacts.renew()
+        self._contacts.ease_friction(seconds)
+        for stage in (mj.mj_makeConstraint, mj.mj_island, mj.mj_projectConstraint):
+            stage(model, data)
+        mj.mj_fwdVelocity(model, data)
+        mj.mj_step2(model, data)
 
     def _keep_above(self, body: MujocoBody, terrain: Terrain) -> None:
         """Let a body not come as deep into the terrain as it could in a hard fall.

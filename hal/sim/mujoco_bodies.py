@@ -12,14 +12,14 @@ from hal.sim.mujoco_scene import let_meet, scalar_first
 from hal.sim.physics import STEP, BodyState, Touch, Triple, in_body
 from hal.sim.stretches import STRETCH_STEPS, STRETCH_TIME, velocities
 from vencejo.errors import VehicleError
-from vencejo.geometry import Point, Pose, product, turned
+from vencejo.geometry import Point, Pose, Quaternion, product, turned
 from worlds.motion import pose_at
 from worlds.things import Thing
 
 _STILL, _STILL_TURNING = 1e-3, 5e-3
 """Speed, m/s, and angular speed, rad/s, below which a body stands still."""
 _SLIPS = 0.1
-"""Speed over what carries it from which a body is not moored, m/s."""
+"""Speed over what it touches from which a body slides, m/s."""
 _AT_REST = (0.0, 0.0, 0.0)
 
 
@@ -28,8 +28,8 @@ class MujocoFixed:
 
     free = restless = False
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, *, slippery: bool = True) -> None:
+        self.name, self.slippery = name, slippery
 
     def velocity_at(self, _: Triple) -> Triple:
         return _AT_REST
@@ -38,7 +38,7 @@ class MujocoFixed:
 class MujocoMover:
     """A thing that follows its path, whatever touches it."""
 
-    free, restless = False, True
+    free, slippery, restless = False, True, True
 
     def __init__(self, thing: Thing) -> None:
         self.name = thing.name
@@ -84,9 +84,7 @@ class MujocoMover:
 
     def velocity_at(self, place: Triple) -> Triple:
         """The velocity that it has at a place (world frame), m/s."""
-        x, y, z = Point(*place).minus(self.pose()[0])
-        (u, v, w), (a, b, c) = self._velocity, self.turning
-        return u + b * z - c * y, v + c * x - a * z, w + a * y - b * x
+        return _velocity_at(place, *self.pose(), self._velocity, self.turning)
 
 
 class MujocoBody:
@@ -95,7 +93,7 @@ class MujocoBody:
     Its state is kept here, so that asking for it costs nothing; the engine has another copy.
     """
 
-    free = True
+    free = slippery = True
 
     def __init__(self, name: str, state: BodyState, size: Triple, contacts: MujocoContacts) -> None:
         """``size``: its sides, metres."""
@@ -141,9 +139,9 @@ class MujocoBody:
     def state(self) -> BodyState:
         return self._state
 
-    def velocity_at(self, _: Triple) -> Triple:
-        """Its velocity, m/s: nothing stands on it."""
-        return self._state[2]
+    def velocity_at(self, place: Triple) -> Triple:
+        """The velocity that it has at a place (world frame), m/s."""
+        return _velocity_at(place, *self._state)
 
     def push(self, force: Triple, torque: Triple) -> None:
         self._pushed = True
@@ -158,7 +156,7 @@ class MujocoBody:
         self._pushes.clear()
 
     def is_fast(self, limit: float) -> bool:
-        """Whether a place on it may be faster than a limit, m/s; what carries it counts as still."""
+        """Whether a place on it may be faster than a limit, m/s, but for what carries it."""
         at, _, (u, v, w), (a, b, c) = self._state
         turning = self._reach**2 * (a * a + b * b + c * c)
         if u * u + v * v + w * w + turning < limit * limit:
@@ -166,6 +164,14 @@ class MujocoBody:
         others = (contact.other for contact in self._contacts.of(self))
         carrier = next((other for other in others if isinstance(other, MujocoMover)), None)
         return carrier is None or dist(carrier.velocity_at(at), (u, v, w)) > limit
+
+    def slides(self) -> bool:
+        """Whether it moves over what it touches."""
+        at, _, velocity, _ = self._state
+        return any(
+            dist(velocity, contact.other.velocity_at(at)) > _SLIPS
+            for contact in self._contacts.of(self)
+        )
 
     def read(self) -> None:
         """Take over its state from the engine after a step. Raises VehicleError."""
@@ -267,6 +273,14 @@ class MujocoBody:
             )
             for each in self._contacts.of(self)
         ]
+
+
+def _velocity_at(
+    place: Triple, middle: Triple, _: Quaternion, velocity: Triple, turning: Triple
+) -> Triple:
+    x, y, z = place[0] - middle[0], place[1] - middle[1], place[2] - middle[2]
+    (u, v, w), (a, b, c) = velocity, turning
+    return u + b * z - c * y, v + c * x - a * z, w + a * y - b * x
 
 
 def _views(model: Any, data: Any, number: int) -> tuple[Any, Any]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import hypot
 from typing import Any, NamedTuple, Protocol
 
-from hal.sim.physics import GAP, Triple
+from hal.sim.physics import GAP, GRAVITY, Triple
+
+_PRESSURE = 4.0
+"""Greatest pressure of what slides, in weights, but for that of an impact."""
 
 
 class Touchable(Protocol):
@@ -19,11 +23,15 @@ class Touchable(Protocol):
         """True for a free body, whose path nothing determines."""
 
     @property
+    def slippery(self) -> bool:
+        """False for hills, on which what slides may be thrown upwards a little."""
+
+    @property
     def restless(self) -> bool:
         """True for what moves or may begin to: nothing sleeps that touches it."""
 
     def velocity_at(self, place: Triple) -> Triple:
-        """The velocity with which it carries along what is there, m/s."""
+        """The velocity at a place, m/s."""
 
 
 class Contact(NamedTuple):
@@ -74,6 +82,27 @@ class MujocoContacts:
                 if gap < GAP
             ]
         return self._pairs
+
+    def ease_friction(self, seconds: float) -> None:
+        """Ask the friction of each contact for no more than it can bring about in a step.
+
+        ``seconds``: of that step. On hills it is not asked less: what fell on a steep slope with a
+        corner first would slide on for some metres.
+        """
+        found = self._data.contact
+        for one, two, number in self.pairs():
+            if not (one.slippery and two.slippery):
+                continue
+            place, normal = found.pos[number].tolist(), found.frame[number].tolist()[:3]
+            ours, theirs = one.velocity_at(place), two.velocity_at(place)
+            velocity = [b - a for a, b in zip(ours, theirs, strict=True)]
+            apart = sum(a * b for a, b in zip(velocity, normal, strict=True))
+            slip = hypot(*(a - apart * b for a, b in zip(velocity, normal, strict=True)))
+            pressure = _PRESSURE * GRAVITY + max(0.0, -apart) / seconds
+            slowing = float(found.friction[number][0]) * pressure
+            if slip > slowing * seconds:
+                # Negative: a damping in 1/s, and next to no stiffness (MuJoCo's direct format).
+                found.solreffriction[number] = -1e-9, -slowing / slip
 
     def of(self, body: Touchable) -> list[Contact]:
         """What touches a body."""

@@ -18,8 +18,9 @@ SUBSTEPS = 8
 flown in one part."""
 NOTICE = 0.15
 """Distance between two bodies, metres, from which the engine knows that they may touch."""
-_FRICTION = 0.64
-"""Coefficient of friction of every pair of surfaces: what is tilted by less than 32.6° stands."""
+_FRICTION, _GRIP = 0.64, 2.0
+"""Coefficients of friction: what is tilted by less than 32.6° stands. Moving things have a landing
+net. Of two surfaces the greater one counts."""
 _SOLREF = (2.002 * STEP / SUBSTEPS, 3.0)
 """Time constant, seconds, and damping ratio of contacts. MuJoCo makes the time two steps at least;
 what is less damped bounces."""
@@ -33,8 +34,9 @@ _RADIUS = 0.004
 """Radius of the spheres with which a body touches hills, metres."""
 _SPACING = 0.25
 """Greatest distance between them, metres."""
-_EDGE_WIDTH, _EDGE_DEPTH = 0.002, 0.04
-"""Of the cuboids along ridges, metres."""
+_EDGE_WIDTH, _EDGE_DEPTH, _EDGE_SUNK = 0.002, 0.04, 0.001
+"""Of the cuboids along ridges, and how far below the edge they end, metres: what lies on a face of
+the hills beside one does not touch it."""
 
 # Bits of MuJoCo's contype and conaffinity: two shapes collide when the one has a bit of the other.
 _THING, _BODY, _HILLS, _MOVER = 1, 2, 4, 8
@@ -106,7 +108,7 @@ class MujocoScene(Generic[Owner]):
         """Add an edge of hills as a narrow cuboid; between a body's spheres it would come out."""
         begin, end, up = ridge
         length, depth = dist(begin, end), _EDGE_DEPTH / 2
-        middle = [(a + b) / 2 - depth * c for a, b, c in zip(*ridge, strict=True)]
+        middle = [(a + b) / 2 - (depth + _EDGE_SUNK) * c for a, b, c in zip(*ridge, strict=True)]
         x, y, z = ((b - a) / length for a, b in zip(begin, end, strict=True))
         across = up.y * z - up.z * y, up.z * x - up.x * z, up.x * y - up.y * x
         geom = self._add(
@@ -159,6 +161,8 @@ class MujocoScene(Generic[Owner]):
         kinds, shape = self._mj.mjtGeom, piece.shape
         place: dict[str, Any] = {"pos": piece.at, "quat": scalar_first(piece.attitude)}
         place["contype"] = kind
+        if kind == _MOVER:
+            place["friction"] = (_GRIP, 0.0, 0.0)
         if isinstance(shape, Cuboid):
             half = [side / 2 for side in shape.size]
             self._add(body, owner, type=kinds.mjGEOM_BOX, size=half, **place)
@@ -184,14 +188,13 @@ class MujocoScene(Generic[Owner]):
         )
 
     def _add(self, body: Any, owner: Owner, **shape: Any) -> Any:
-        shape = {"conaffinity": 0, "group": VISIBLE, **shape}
+        usual = {"conaffinity": 0, "group": VISIBLE, "friction": (_FRICTION, 0.0, 0.0)}
         geom = body.add_geom(
-            friction=(_FRICTION, 0.0, 0.0),
             solref=_SOLREF,
             solimp=_SOLIMP,
             condim=3,
             mass=0.0,
-            **shape,
+            **(usual | shape),
         )
         self._shapes.append((geom, owner))
         return geom

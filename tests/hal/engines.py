@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
+from typing import Any
 
-from hal.sim.bullet import Bullet
-from hal.sim.mujoco import Mujoco
+from hal.engines import engine_names, is_installed, open_engine
 from hal.sim.physics import STEP, Body, Physics, Triple
 from vencejo.geometry import Point, Pose, Quaternion, yaw_quaternion
 from worlds import figures
 from worlds.things import UPRIGHT, Motion, Terrain, Thing
 
-ENGINES: Mapping[str, Callable[[], Physics]] = {"bullet": Bullet, "mujoco": Mujoco}
+ENGINES: Mapping[str, Callable[[], Physics]] = {
+    name: partial(open_engine, name) for name in engine_names() if is_installed(name)
+}
+"""What opens each engine that is installed."""
 SIZE = (0.5, 0.5, 0.12)
 """Of a vehicle, metres."""
 WEIGHT = 0.436 * 9.80665
@@ -46,12 +50,13 @@ def box(
 
 def mover_pose(physics: Physics) -> Pose:
     """Where the one moving thing of a simulation is."""
-    if isinstance(physics, Mujoco):
-        physics._show()
-        return physics._movers[0].pose()
-    assert isinstance(physics, Bullet)
-    place, attitude = physics._p.getBasePositionAndOrientation(
-        physics._movers[0].body, physics._client
+    inside: Any = physics
+    if physics.name.startswith("mujoco"):
+        inside._show()
+        pose: Pose = inside._movers[0].pose()
+        return pose
+    place, attitude = inside._p.getBasePositionAndOrientation(
+        inside._movers[0].body, inside._client
     )
     return Point(*place), attitude
 

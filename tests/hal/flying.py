@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
+from hal.engines import open_engine
 from hal.orders import Order
 from hal.sim import SimSession, open_session
-from hal.sim.bullet import Bullet
 from hal.vehicle import PERIOD, Observation, Options, Position, Session, Setpoint, Vehicle
 from vencejo.geometry import Point
 from worlds.world import World
@@ -79,7 +79,7 @@ def hovering(
 
 def session_of(world: World, vehicles: tuple[str, ...] = ("drone",)) -> SimSession:
     """The simulator on a world that is in no file."""
-    return SimSession(Options(vehicles), world, Bullet())
+    return SimSession(Options(vehicles), world, open_engine())
 
 
 def told(seen: Iterable[Observation]) -> list[tuple[str, str]]:

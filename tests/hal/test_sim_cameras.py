@@ -15,10 +15,10 @@ import cv2
 import numpy as np
 import pytest
 
+from hal.engines import open_engine
 from hal.scene.appearance import color_of
 from hal.scene.transforms import rotation_matrix
 from hal.sim import CameraSpec, SimSession, open_session
-from hal.sim.bullet import Bullet
 from hal.sim.sensors.lens import Lens
 from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
 from tests.hal.flying import LONG
@@ -33,7 +33,7 @@ AHEAD, DOWN = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 
 def session_on(world: World, vehicles: tuple[str, ...] = ("drone",), **settings: Any) -> SimSession:
-    return SimSession(Options(vehicles, settings=settings), world, Bullet())
+    return SimSession(Options(vehicles, settings=settings), world, open_engine())
 
 
 def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
@@ -154,7 +154,7 @@ def test_a_camera_of_ones_own() -> None:
 def test_noise_is_as_strong_as_asked_and_the_runs_own() -> None:
     def noisy(seed: int) -> list[Frame]:
         options = Options(seed=seed, settings={"cameras": {"front": {"noise": 4.0}}})
-        with SimSession(options, world_of(), Bullet()) as session:
+        with SimSession(options, world_of(), open_engine()) as session:
             return frames(session, "front", 6)
 
     first, again, other = noisy(1), noisy(1), noisy(2)
