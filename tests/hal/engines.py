@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
+import pytest
+
 from hal.engines import engine_names, is_installed, open_engine
 from hal.sim.physics import STEP, Body, Physics, Triple
 from vencejo.geometry import Point, Pose, Quaternion, yaw_quaternion
@@ -17,6 +19,9 @@ ENGINES: Mapping[str, Callable[[], Physics]] = {
     name: partial(open_engine, name) for name in engine_names() if is_installed(name)
 }
 """What opens each engine that is installed."""
+needs_pybullet = pytest.mark.skipif(
+    not is_installed("bullet"), reason="compares with pybullet's own pictures"
+)
 SIZE = (0.5, 0.5, 0.12)
 """Of a vehicle, metres."""
 WEIGHT = 0.436 * 9.80665
