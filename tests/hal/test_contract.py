@@ -307,9 +307,8 @@ def over_a_ball(backend: str, tmp_path: Path) -> Iterator[Session]:
     world.write_text(BALL)
     if backend == "example":
         pytest.skip("it never knows whether it stands")
-    with OPENERS[backend](
-        Options(world=str(world) if backend.startswith("sim") else None)
-    ) as session:
+    options = Options(world=str(world) if backend.startswith("sim") else None)
+    with OPENERS[backend](options) as session:
         session.wait()
         vehicle = take_off(session, 4)
         if isinstance(vehicle, FakeVehicle):
