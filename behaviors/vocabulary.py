@@ -46,6 +46,7 @@ EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
         "vehicle.late": {"step": Number(TIME)},
         "vehicle.collision": {"thing": TEXT},
         "vehicle.unstable": {"thing": TEXT},
+        "vehicle.crashed": {"thing": TEXT, "speed": Number(SPEED), "reason": TEXT},
     }
 )
 REACTIONS: Mapping[str, Reaction] = MappingProxyType(

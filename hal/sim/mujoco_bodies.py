@@ -12,7 +12,7 @@ from hal.sim.mujoco_scene import let_meet, scalar_first
 from hal.sim.physics import STEP, BodyState, Touch, Triple, in_body
 from hal.sim.stretches import STRETCH_STEPS, STRETCH_TIME, velocities
 from vencejo.errors import VehicleError
-from vencejo.geometry import Point, Pose, Quaternion, product, turned
+from vencejo.geometry import Point, Pose, product, turned
 from worlds.motion import pose_at
 from worlds.things import Thing
 
@@ -84,7 +84,7 @@ class MujocoMover:
 
     def velocity_at(self, place: Triple) -> Triple:
         """The velocity that it has at a place (world frame), m/s."""
-        return _velocity_at(place, *self.pose(), self._velocity, self.turning)
+        return _velocity_at(place, self.pose()[0], self._velocity, self.turning)
 
 
 class MujocoBody:
@@ -141,7 +141,8 @@ class MujocoBody:
 
     def velocity_at(self, place: Triple) -> Triple:
         """The velocity that it has at a place (world frame), m/s."""
-        return _velocity_at(place, *self._state)
+        at, attitude, velocity, turning = self._state
+        return _velocity_at(place, at, velocity, turned(turning, attitude))
 
     def push(self, force: Triple, torque: Triple) -> None:
         self._pushed = True
@@ -180,8 +181,7 @@ class MujocoBody:
             raise VehicleError("no-physics", f"MuJoCo has lost the body '{self.name}'")
         self._resting = ()
         u, v, w, a, b, c = self._rate.tolist()
-        attitude = qx, qy, qz, qw
-        self._state = (x, y, z), attitude, (u, v, w), turned((a, b, c), attitude)
+        self._state = (x, y, z), (qx, qy, qz, qw), (u, v, w), (a, b, c)
         if self._carrier is not None:
             self._go_with(self._carrier)
 
@@ -194,7 +194,7 @@ class MujocoBody:
     def _write(self) -> None:
         at, attitude, velocity, turning = self._state
         self._place[:] = *at, *scalar_first(attitude)
-        self._rate[:] = *velocity, *in_body(turning, attitude)
+        self._rate[:] = *velocity, *turning
 
     def look(self) -> bool:
         """Take a look at it: whether nothing has moved it since the one before."""
@@ -256,7 +256,8 @@ class MujocoBody:
         base, turn = carrier.pose()
         at = base.plus(turned(self._offset[0], turn))
         velocity = carrier.velocity_at(at)
-        self._state = at, product(turn, self._offset[1]), velocity, carrier.turning
+        attitude = product(turn, self._offset[1])
+        self._state = at, attitude, velocity, in_body(carrier.turning, attitude)
         self._write()
 
     def contacts(self) -> Sequence[Touch]:
@@ -275,9 +276,8 @@ class MujocoBody:
         ]
 
 
-def _velocity_at(
-    place: Triple, middle: Triple, _: Quaternion, velocity: Triple, turning: Triple
-) -> Triple:
+def _velocity_at(place: Triple, middle: Triple, velocity: Triple, turning: Triple) -> Triple:
+    """The velocity at a place of what turns about its middle; world frame."""
     x, y, z = place[0] - middle[0], place[1] - middle[1], place[2] - middle[2]
     (u, v, w), (a, b, c) = velocity, turning
     return u + b * z - c * y, v + c * x - a * z, w + a * y - b * x

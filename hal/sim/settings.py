@@ -8,6 +8,7 @@ from math import isfinite
 
 from hal.engines import check_engine
 from hal.renderers import check_renderer
+from hal.sim.effects import Effects, plain_effects, read_effects
 from hal.sim.sensors.camera_spec import (
     DEFAULT_CAMERAS,
     CameraSpec,
@@ -17,7 +18,7 @@ from hal.sim.sensors.camera_spec import (
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 
-_KNOWN = ("engine", "noise", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("engine", "noise", "physics", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Settings:
     """The name of the physics engine."""
     noise: float
     """Factor of the command noise, 0 for none."""
+    physics: Effects
+    """The effects that are computed."""
     cameras: Mapping[str, CameraSpec]
     """Name → camera, the same for every vehicle."""
     sensors: Mapping[str, RangefinderSpec]
@@ -60,9 +63,13 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     shadows = given.get("shadows", False)
     if not isinstance(shadows, bool):
         raise UserError("bad-setting", f"'shadows' must be true or false, not {shadows!r}")
+    physics = given.get("physics", "real")
+    if not isinstance(physics, str):
+        raise UserError("bad-setting", f"'physics' is a text such as 'real', not {physics!r}")
     return Settings(
         check_engine(given.get("engine")),
         float(noise),
+        read_effects(physics),
         read_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
@@ -76,6 +83,7 @@ def plain_settings(settings: Settings) -> dict[str, object]:
     return {
         "engine": settings.engine,
         "noise": settings.noise,
+        "physics": plain_effects(settings.physics),
         "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,

@@ -77,9 +77,11 @@ def hovering(
         yield session, vehicle
 
 
-def session_of(world: World, vehicles: tuple[str, ...] = ("drone",)) -> SimSession:
+def session_of(
+    world: World, vehicles: tuple[str, ...] = ("drone",), **settings: object
+) -> SimSession:
     """The simulator on a world that is in no file."""
-    return SimSession(Options(vehicles), world, open_engine())
+    return SimSession(Options(vehicles, settings=settings), world, open_engine())
 
 
 def told(seen: Iterable[Observation]) -> list[tuple[str, str]]:

@@ -294,6 +294,6 @@ def test_a_session_gives_back_its_settings(given: dict[str, object]) -> None:
             return session.settings
 
     found = settings(given)
-    assert set(found) == {"engine", "noise", "cameras", "sensors", "renderer", "shadows"}
+    assert set(found) == {"engine", "noise", "physics", "cameras", "sensors", "renderer", "shadows"}
     # Through JSON, as a log has them; and in the same sequence.
     assert json.dumps(settings(json.loads(json.dumps(found)))) == json.dumps(found)

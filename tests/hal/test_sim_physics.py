@@ -71,7 +71,7 @@ def test_a_push_is_along_the_bodys_own_axes(physics: Physics) -> None:
     physics.step()
     _, _, velocity, turning = thing.state()
     assert velocity == pytest.approx((0, -1.5 * STEP, -GRAVITY * STEP), abs=1e-9)
-    assert turning == pytest.approx((STEP, -STEP, STEP), rel=1e-3)
+    assert turning == pytest.approx((STEP, STEP, STEP), rel=1e-3)
     before = thing.state()
     physics.step()
     assert thing.state()[2][1] == pytest.approx(before[2][1]), "a push lasts for one step"

@@ -337,9 +337,12 @@ def test_what_is_very_long_counts_everywhere() -> None:
         assert not obstacles.thing_near(5, 5, 3.7)
 
 
-def test_the_ground_ends_above_the_highest_hill() -> None:
-    assert ObstacleHeightGrid([], None).ground == pytest.approx(0.6)
-    assert ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).ground > 4.0
+def test_the_ground_ends_above_what_it_is_below() -> None:
+    flat = ObstacleHeightGrid([], None)
+    assert flat.ground_near(3, 3, 0.59) and not flat.ground_near(3, 3, 0.61)
+    hill = ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 40.0))
+    assert hill.ground_near(0, 0, 4.5) and not hill.ground_near(0, 0, 4.61)
+    assert hill.ground_near(-19, 0, 0.7) and not hill.ground_near(-19, 0, 2.0)
 
 
 def test_a_touch_is_new_once_until_it_is_over() -> None:
