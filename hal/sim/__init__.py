@@ -18,7 +18,8 @@ __all__ = ["CAPABILITIES", "FLIGHT_MODEL", "CameraSpec", "SimSession", "open_ses
 def open_session(options: Options) -> Session:
     """Open the simulator on the world of the options, or on ``empty``; use it in a ``with``.
 
-    Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``cameras`` (see
+    Settings: ``noise``, a factor on the command noise (true for 1; default 0); ``wind``, a
+    text that takes the place of the world's (see :mod:`worlds.wind`); ``cameras`` (see
     :func:`hal.sim.sensors.camera_spec.read_cameras`); ``sensors`` (see
     :func:`hal.sim.sensors.rangefinder.read_rangefinders`); ``renderer``, the name of one (see
     :mod:`hal.renderers`); ``shadows``, true to render shadows.
