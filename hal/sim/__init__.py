@@ -1,18 +1,17 @@
 """The simulator: deterministic, without a window, many times faster than the clock."""
 
 from hal.sim.bullet import Bullet
-from hal.sim.flight_model import FLIGHT_MODEL
-from hal.sim.sensors.camera_spec import DEFAULT_CAMERAS, CameraSpec
+from hal.sim.model_catalog import ModelCatalog
+from hal.sim.sensors.camera_spec import CameraSpec
 from hal.sim.session import SimSession
-from hal.sim.vehicle import CAPABILITIES as _FLYING
 from hal.vehicle import Options, Session
 from vencejo.errors import UserError
 from worlds import find_world
 
-CAPABILITIES = _FLYING | {f"camera.{name}" for name in DEFAULT_CAMERAS}
-"""The capabilities of a vehicle with the default settings."""
+MODELS = ModelCatalog()
+"""The models of its vehicles."""
 
-__all__ = ["CAPABILITIES", "FLIGHT_MODEL", "CameraSpec", "SimSession", "open_session"]
+__all__ = ["MODELS", "CameraSpec", "SimSession", "open_session"]
 
 
 def open_session(options: Options) -> Session:

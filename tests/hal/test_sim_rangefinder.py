@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from hal.sim import CAPABILITIES, SimSession, open_session
+from hal.sim import MODELS, SimSession, open_session
 from hal.sim.bullet import Bullet
 from hal.sim.sensors.rangefinder import RangefinderSpec
 from hal.sim.sensors.sampling import newest_capture
@@ -17,6 +17,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point, roll_pitch_of
 from worlds.loader import read_world
 
+CAPABILITIES = MODELS.find(None).capabilities
 SKIDS = 0.06
 """Height of the centre of mass above the skids, metres."""
 TABLE = "boxes: {table: {at: [3, 0], size: [2, 2, 1]}}\n"
