@@ -15,6 +15,7 @@ import click
 from behaviors import Calls
 from cli.fixes import fix_of
 from cli.options import (
+    SIMULATOR,
     Length,
     LimitSettings,
     MissionName,
@@ -22,20 +23,28 @@ from cli.options import (
     call_limit_option,
     engine_option,
     limit_option,
+    model_option,
     noise_option,
+    wind_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
-from fsm.language.reader import FLEET
-from hal import backend_capabilities, flight_model
+from hal import VehicleModel, backend_capabilities, flight_model
 from runner import missions
+from runner.by_vehicle import ALONE
 from runner.call_limit import CallLimit
-from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.plan import Plan
-from runner.preparation import Prepared, check_fleet_file, prepare
-from runner.trial_flights import TrialFlight, fly_trials
-from vencejo.errors import Fault, UserError
+from runner.fleets import PreparedFleet, check_ways, prepare_any
+from runner.geometry import CLEARANCE, Findings
+from runner.plan import Assignment, Plan, with_model
+from runner.trial_flights import Trial, fly_trials
+from runner.vehicle_models import (
+    faults_of_models,
+    flight_of,
+    missing_capabilities,
+    models_of,
+)
+from vencejo.errors import Fault, UserError, Where
 
 
 @dataclass(frozen=True)
@@ -47,11 +56,11 @@ class Report:
     graphs: tuple[Graph, ...] = ()
     """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
-    prepared: Prepared | None = None
-    """A mission without errors."""
+    plan: Plan | None = None
+    """The plan to fly it, of what has no errors."""
     findings: Findings | None = None
     """What was found of where it flies."""
-    flights: tuple[TrialFlight, ...] = ()
+    trials: tuple[Trial, ...] = ()
     """Its trial flights."""
 
     @property
@@ -74,6 +83,7 @@ class Report:
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
 @click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
+@model_option("Check that this model of vehicle can do what is needed.")
 @limit_option("Check against limits of flight, as for `run`. Repeatable.")
 @click.option(
     "--clearance",
@@ -91,6 +101,7 @@ class Report:
 )
 @engine_option
 @noise_option("Disturb the commands of these flights, as for `run`.")
+@wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -99,11 +110,13 @@ def check(
     missions_: tuple[str, ...],
     world: str | None,
     backend: str | None,
+    model: str | None,
     limit_settings: LimitSettings,
     clearance: float,
     count: int | None,
     engine: str | None,
     noise: float,
+    wind: str | None,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -116,18 +129,16 @@ def check(
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not; with --fly 1
     when all may but a flight did not end in `done`.
     """
-    model = flight_model(backend or "sim")
-    terms = Terms(model, limit_settings.on(model), clearance)
+    asked = _Asked(world, backend, model, limit_settings, clearance, not no_code)
+    flight = flight_model(backend or SIMULATOR, model)
+    limit_settings.terms(flight)  # refuses wrong limits before any mission is read
     with _no_garbage(), user_code(call_limit) as limit:
-        reports = [_report(m, world, terms, not no_code, limit.calls) for m in missions_]
-    if backend is not None:
-        offered = backend_capabilities(backend)
-        reports = [_compared(report, backend, offered) for report in reports]
+        reports = [_report(mission, asked, limit.calls) for mission in missions_]
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
+        own = {"engine": engine, "noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
-            own = {"engine": engine, "noise": noise}
             reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
@@ -136,7 +147,7 @@ def check(
             _print(report, strict)
     if any(report.wrong(strict) for report in reports):
         sys.exit(2)
-    sys.exit(int(any(flight.outcome != "done" for r in reports for flight in r.flights)))
+    sys.exit(int(not all(trial.success for report in reports for trial in report.trials)))
 
 
 @contextmanager
@@ -159,53 +170,87 @@ def _flown(
     limit: CallLimit,
 ) -> Report:
     """The report with trial flights of a mission without errors."""
-    if report.prepared is None or report.of("error"):
+    if report.plan is None or report.of("error"):
         return report
     plan = replace(
-        Plan.alone(report.prepared, settings=own),
+        report.plan,
+        settings=own,
         profile=limit_settings.profile,
         limits=limit_settings.limits,
     )
-    return replace(report, flights=tuple(fly_trials(plan, range(count), limit)))
+    return replace(report, trials=tuple(fly_trials(plan, range(count), limit)))
 
 
-def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
+@dataclass(frozen=True)
+class _Asked:
+    """What missions are checked against."""
+
+    world: str | None
+    backend: str | None
+    model: str | None
+    limit_settings: LimitSettings
+    clearance: float
+    code: bool
+    """Whether the Python files that missions use are run."""
+
+
+def _report(mission: str, asked: _Asked, calls: Calls) -> Report:
     try:
-        prepared = prepare(missions.find(mission), world, code=code, calls=calls)
-    except UserError as error:
-        if error.code != FLEET:
-            return Report(mission, error.faults)
-    else:
-        graph = prepared.graph
-        findings = check_geometry(graph, prepared.world, terms, calls=calls)
-        told = (*graph.warnings, *findings.faults)
-        return Report(mission, told, (graph,), prepared=prepared, findings=findings)
-    try:
-        faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
+        prepared = prepare_any(missions.find(mission), asked.world, code=asked.code, calls=calls)
     except UserError as error:
         return Report(mission, error.faults)
-    return Report(mission, tuple(faults), tuple(graphs), fleet=True)
+    if isinstance(prepared, PreparedFleet):
+        return _fleet_report(mission, prepared, asked, calls)
+    plan = Plan(with_model({ALONE: Assignment(prepared)}, asked.model, Where("--model")))
+    try:
+        findings = _looked(plan.assignments, asked, calls)
+    except UserError as error:
+        return Report(mission, error.faults)
+    graph = prepared.graph
+    told = (*graph.warnings, *findings.faults)
+    return Report(mission, told, (graph,), plan=plan, findings=findings)
 
 
-def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
-    """The report, with a fault for each capability that the backend lacks."""
-    missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
-    return replace(report, faults=(*missing, *report.faults))
+def _fleet_report(mission: str, fleet: PreparedFleet, asked: _Asked, calls: Calls) -> Report:
+    assignments = with_model(fleet.assignments, asked.model, Where("--model"))
+    try:
+        findings = _looked(assignments, asked, calls)
+    except UserError as error:
+        return Report(mission, (*fleet.faults, *error.faults), fleet=True)
+    return Report(
+        mission,
+        tuple(dict.fromkeys((*fleet.faults, *findings.faults))),
+        tuple(each.prepared.graph for each in assignments.values() if not each.stands),
+        fleet=True,
+        plan=Plan(assignments, fleet=fleet.fleet) if fleet.may_fly else None,
+        findings=findings,
+    )
 
 
-def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
-    """Faults for the capabilities that behaviours need and a backend does not offer."""
-    return [
-        Fault(
-            "missing-capability",
-            f"'{node.invocation.behavior.name if node.invocation else node.path}' needs "
-            f"'{capability}', which the backend '{backend}' does not offer",
-            node.where,
-            f"it offers: {', '.join(sorted(offered))}",
-        )
-        for capability, node in graph.required().items()
-        if capability not in offered
-    ]
+def _looked(assignments: Mapping[str, Assignment], asked: _Asked, calls: Calls) -> Findings:
+    """What is found of where vehicles fly, and of what their models can do. Raises UserError."""
+    backend = asked.backend or SIMULATOR
+    models = models_of(backend, assignments)
+    terms = {
+        name: asked.limit_settings.terms(flight_of(backend, model), asked.clearance)
+        for name, model in models.items()
+    }
+    faults = list(faults_of_models(assignments, models))
+    for name, model in models.items():
+        # Without a word on what flies, any vehicle may.
+        if asked.backend is not None or assignments[name].model_word is not None:
+            faults += _lacking(assignments[name].prepared.graph, backend, model)
+    found = check_ways(assignments, terms, calls)
+    return replace(found, faults=(*faults, *found.faults))
+
+
+def _lacking(graph: Graph, backend: str, model: VehicleModel | None) -> Iterator[Fault]:
+    """Faults for what a mission needs and a backend's vehicle does not offer."""
+    if model is None:
+        who, offered = f"the backend '{backend}'", backend_capabilities(backend)
+    else:
+        who, offered = f"the model '{model.name}' of the backend '{backend}'", model.capabilities
+    yield from missing_capabilities(graph, offered, who)
 
 
 def _shown(report: Report) -> dict[str, Any]:
@@ -219,10 +264,10 @@ def _shown(report: Report) -> dict[str, Any]:
         found["unknown"] = list(report.findings.unknown)
         found["moving"] = list(report.findings.moving)
         found["complete"] = report.findings.complete
-    if report.flights:
-        from cli.trials import trial_fields
+    if report.plan is not None and report.trials:
+        from cli.trials import trials_fields
 
-        found |= trial_fields(report.graphs[0], report.flights)
+        found |= trials_fields(report.plan, report.trials)
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
 
@@ -243,16 +288,16 @@ def _print(report: Report, strict: bool) -> None:
     if report.wrong(strict):
         click.echo(f"{report.mission}: {counts}", err=True)
     else:
-        what = "a fleet without mistakes" if report.fleet else "may fly"
+        what = "the fleet may fly" if report.fleet else "may fly"
         states = f"{report.states} state{'s'[: report.states != 1]}"
         click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
     if report.findings is not None:
         for note in _notes(report.findings):
             click.echo(f"  {note}")
-    if report.flights:
-        from cli.trials import trial_lines
+    if report.plan is not None and report.trials:
+        from cli.trials import trials_lines
 
-        for line in trial_lines(report.graphs[0], report.flights):
+        for line in trials_lines(report.plan, report.trials):
             click.echo(f"  {line}")
 
 

@@ -23,6 +23,7 @@ COMMANDS = {
     "show": ("cli.show:show", "Show a mission's graph as text or as a picture."),
     "missions": ("cli.lists:missions", "List missions, show one, or copy one to change it."),
     "behaviors": ("cli.lists:behaviors", "List behaviours, or explain one."),
+    "models": ("cli.models:models", "List models of vehicles, or show one."),
     "worlds": ("cli.lists:worlds", "List worlds, or show one."),
     "guide": ("cli.guide:guide", "Print language, behaviours and examples on one page."),
     "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from math import isfinite, tan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-from hal.lights import Lights
+from hal.lights import Lights, Rgb
 from hal.limits import Limits
 from hal.orders import Order
 from vencejo.geometry import Point, Quaternion
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     # Only images need it, and it takes longer to import than all of our packages.
     import numpy as np
     from numpy.typing import NDArray
+
+    from worlds.world import Start
 
 PERIODS_PER_SECOND = 40
 PERIOD = 1 / PERIODS_PER_SECOND
@@ -94,6 +96,9 @@ class Observation(NamedTuple):
     events: tuple[VehicleEvent, ...] = ()
     """The events of this period, for instance ``vehicle.collision`` for each thing that it begins
     to touch, except the one that it stands or comes down on."""
+    wind: Point | None = None
+    """The wind where it is, as the vehicle estimates it: the velocity of the air, world frame, m/s;
+    None without the capability ``wind``."""
 
 
 class Velocity(NamedTuple):
@@ -272,6 +277,10 @@ class Vehicle(Protocol):
     def name(self) -> str: ...
 
     @property
+    def model(self) -> str:
+        """The name of its model; empty where it is not known."""
+
+    @property
     def capabilities(self) -> frozenset[str]:
         """Words such as ``position``, ``velocity``, ``arm``, ``takeoff``, ``camera.front``."""
 
@@ -335,8 +344,21 @@ class Vehicle(Protocol):
         validity that is not above 0.
         """
 
+    @property
+    def active_camera(self) -> str | None:
+        """The only camera that delivers images now; None where all do.
+
+        Reading another one raises Unavailable.
+        """
+
     def camera(self, name: str) -> Camera:
         """A camera by name. Raises Unavailable."""
+
+    def use_camera(self, name: str | None = None) -> None:
+        """Make a camera the active one at once, or the next one. Where all are, nothing happens.
+
+        Raises Unavailable for a camera that the vehicle does not have.
+        """
 
     def sensor(self, name: str) -> Sensor:
         """A sensor by name. Raises Unavailable."""
@@ -392,10 +414,23 @@ class Session(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class VehicleSpec:
+    """One vehicle of a session, as it is asked for; a real vehicle has all but its name already."""
+
+    name: str
+    model: str | None = None
+    """The name of its model, or the path of its file; None for the world's or the default."""
+    start: Start | None = None
+    """Its place and heading when the run begins, world frame; None for a start of the world."""
+    color: Rgb | None = None
+    """The colour of its hull in pictures; None for one that its name decides."""
+
+
+@dataclass(frozen=True, slots=True)
 class Options:
     """The options with which a backend is opened."""
 
-    vehicles: tuple[str, ...] = ("drone",)
+    vehicles: tuple[VehicleSpec, ...] = (VehicleSpec("drone"),)
     world: str | None = None
     """Name or path of a world file; None for the backend's default."""
     seed: int = 0

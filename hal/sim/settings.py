@@ -9,16 +9,12 @@ from math import isfinite
 from hal.engines import check_engine
 from hal.renderers import check_renderer
 from hal.sim.effects import Effects, plain_effects, read_effects
-from hal.sim.sensors.camera_spec import (
-    DEFAULT_CAMERAS,
-    CameraSpec,
-    plain_camera,
-    read_cameras,
-)
+from hal.sim.sensors.camera_spec import plain_cameras
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
+from worlds.wind import read_wind
 
-_KNOWN = ("engine", "noise", "physics", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("engine", "noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
@@ -31,8 +27,11 @@ class Settings:
     """Factor of the command noise, 0 for none."""
     physics: Effects
     """The effects that are computed."""
-    cameras: Mapping[str, CameraSpec]
-    """Name → camera, the same for every vehicle."""
+    wind: str | None
+    """A wind as it is written (see :mod:`worlds.wind`); None for the world's."""
+    cameras: Mapping[str, object]
+    """Name → what differs from the model's camera of that name, the same for every vehicle (see
+    :func:`hal.sim.sensors.camera_spec.read_cameras`)."""
     sensors: Mapping[str, RangefinderSpec]
     """Name → rangefinder, the same for every vehicle."""
     renderer: str
@@ -70,21 +69,32 @@ def read_settings(given: Mapping[str, object]) -> Settings:
         check_engine(given.get("engine")),
         float(noise),
         read_effects(physics),
-        read_cameras(given.get("cameras")),
+        _checked_wind(given.get("wind")),
+        plain_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
         shadows,
     )
 
 
+def _checked_wind(wind: object) -> str | None:
+    if wind is None:
+        return None
+    if not isinstance(wind, str):
+        message = f"'wind' is a text such as '5 m/s@270 deg', not {wind!r}"
+        raise UserError("bad-setting", message)
+    read_wind(wind, "wind")
+    return wind
+
+
 def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
-    without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
     return {
         "engine": settings.engine,
         "noise": settings.noise,
         "physics": plain_effects(settings.physics),
-        "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
+        "wind": settings.wind,
+        "cameras": dict(settings.cameras),
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,
         "shadows": settings.shadows,

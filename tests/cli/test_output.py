@@ -36,6 +36,8 @@ EVERY_COMMAND = {
     "missions first_flight --json": 0,
     "behaviors": 0,
     "behaviors goto": 0,
+    "models": 0,
+    "models f450": 0,
     "worlds": 0,
     "worlds yard": 0,
     "schema": 0,

@@ -35,7 +35,7 @@ from hal.vehicle import (
     VisionPose,
 )
 from tests.hal.engines import ENGINES
-from tests.hal.flying import decided, finish, only, take_off, wait, wait_until
+from tests.hal.flying import decided, finish, named, only, take_off, wait, wait_until
 from vencejo.errors import UserError
 from vencejo.geometry import Point, distance, wrap
 
@@ -60,7 +60,7 @@ def open_with(engine: str, options: Options) -> Session:
 
 
 OPENERS: dict[str, Callable[[Options], Session]] = {
-    "fake": lambda options: FakeSession(options.vehicles, options=options),
+    "fake": lambda options: FakeSession((each.name for each in options.vehicles), options=options),
     **{f"sim on {engine}": partial(open_with, engine) for engine in ENGINES},
     "example": example_session,
 }
@@ -124,7 +124,7 @@ def test_time_counts_periods_without_drift(session: Session) -> None:
 
 
 def test_all_vehicles_have_one_clock(backend: str) -> None:
-    with OPENERS[backend](Options(vehicles=("a", "b", "c"))) as session:
+    with OPENERS[backend](Options(vehicles=named("a", "b", "c"))) as session:
         assert list(session.vehicles) == ["a", "b", "c"]
         for _ in range(40):
             session.wait()
@@ -433,6 +433,13 @@ def test_trim_is_for_the_ground(session: Session) -> None:
     take_off(session, 1)
     order = decided(session, vehicle.trim())
     assert (order.state, order.reason) == ("refused", "the motors are running")
+
+
+def test_the_wind_is_known_where_it_is_among_the_capabilities(session: Session) -> None:
+    vehicle = take_off(session)
+    wind = vehicle.observe().wind
+    assert (wind is not None) == ("wind" in vehicle.capabilities)
+    assert wind in (None, ORIGIN)
 
 
 def test_lights_can_be_set_anywhere(session: Session) -> None:

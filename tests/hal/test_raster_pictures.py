@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product as combined
 from math import pi, radians
 from pathlib import Path
 from random import Random
@@ -361,6 +362,35 @@ def test_opengl_shows_what_lies_close_to_other_things() -> None:
                 assert (mine & others).sum() > 0.8 * (mine | others).sum() > 0
     finally:
         opengl.close()
+
+
+@pytest.mark.parametrize("reference", [TinyRenderer, EglRenderer])
+@pytest.mark.parametrize("size", [20.0, 400.0])
+def test_what_lies_on_the_ground_is_seen_wherever_it_lies(
+    reference: type[TinyRenderer | EglRenderer], size: float
+) -> None:
+    """West and east of the origin, in the very plane of the ground, from near and from far."""
+    white = (255, 255, 255)
+    spots = [(-0.1, 0.0), (-3.0, 4.0), (-9.0, -9.0), (0.0, 8.0), (4.0, -4.0), (9.0, 9.0)]
+    mats = [
+        thing_of(f"mat{number}", Plate(0.6, 0.6), (x, y, 0.0), color=white)
+        for number, (x, y) in enumerate(spots)
+    ]
+    world = world_of(*mats, ground=replace(GREEN, size=size))
+    try:
+        other = reference(world, {})
+    except UserError as error:
+        pytest.skip(str(error))
+    raster = Raster(world, {})
+    try:
+        for (x, y), height, aside in combined(spots, (0.8, 6.0, 60.0), (0.0, 0.5)):
+            pose = look((x, y + aside * height, height), (x, y, 0.0), (1.0, 0.0, 0.0))
+            ours, theirs = (each.render(pose, LENS, 0.0, {}) for each in (raster, other))
+            mine, others = (ours > 200).all(2), (theirs > 200).all(2)
+            # An outline's pixels may differ: of the smallest mats these are many.
+            assert (mine & others).sum() > 0.7 * (mine | others).sum() > 0, (x, y, height, aside)
+    finally:
+        other.close()
 
 
 @pytest.mark.parametrize("renderer", [Raster, pytest.param(TinyRenderer, marks=needs_pybullet)])

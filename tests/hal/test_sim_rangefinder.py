@@ -8,15 +8,16 @@ from typing import Any
 import pytest
 
 from hal.engines import open_engine
-from hal.sim import CAPABILITIES, SimSession, open_session
+from hal.sim import MODELS, SimSession, open_session
 from hal.sim.sensors.rangefinder import RangefinderSpec
 from hal.sim.sensors.sampling import newest_capture
 from hal.vehicle import Options, Position, Reading, Sensor, Unavailable, Velocity
-from tests.hal.flying import LONG, only, take_off, wait
+from tests.hal.flying import LONG, named, only, take_off, wait
 from vencejo.errors import UserError
 from vencejo.geometry import Point, roll_pitch_of
 from worlds.loader import read_world
 
+CAPABILITIES = MODELS.find(None).capabilities
 SKIDS = 0.06
 """Height of the centre of mass above the skids, metres."""
 TABLE = "boxes: {table: {at: [3, 0], size: [2, 2, 1]}}\n"
@@ -27,7 +28,9 @@ boxes: {trolley: {size: [1, 1, 0.5], moves: {through: [[0, 4], [0, -4]], speed: 
 
 def session_on(text: str = "", vehicles: tuple[str, ...] = ("drone",), **down: Any) -> SimSession:
     world = read_world(f"world: test\nstart: {{at: [0, 8]}}\n{text}", "test.yaml")
-    return SimSession(Options(vehicles, settings={"sensors": {"down": down}}), world, open_engine())
+    return SimSession(
+        Options(named(*vehicles), settings={"sensors": {"down": down}}), world, open_engine()
+    )
 
 
 def reading_of(session: SimSession, name: str = "drone") -> Reading:

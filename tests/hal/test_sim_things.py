@@ -16,7 +16,7 @@ from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import GRAVITY, STEP, Body, Physics, Triple
 from hal.vehicle import Options, Position, VehicleEvent, Velocity
 from tests.hal.engines import ENGINES, mover_pose
-from tests.hal.flying import LONG, finish, hovering, only, take_off, wait
+from tests.hal.flying import LONG, finish, hovering, named, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of
 from worlds import figures
 from worlds.loader import read_world
@@ -393,7 +393,7 @@ def test_standing_on_something_is_no_collision() -> None:
 
 
 def test_vehicles_collide_by_name() -> None:
-    with open_session(Options(vehicles=("cat", "mouse"))) as session:
+    with open_session(Options(vehicles=named("cat", "mouse"))) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
         cat.takeoff(2)
         mouse.takeoff(2)

@@ -10,6 +10,7 @@ import pytest
 
 from runner import missions
 from runner.testing import MissionFlight, fly_mission
+from tests.missions.shipped import FLEETS, MISSIONS
 from vencejo.geometry import Point, distance
 
 SHIPPED = ("beacon_route", "first_flight", "survey_square")
@@ -149,4 +150,5 @@ def test_a_flight_is_the_same_whenever_it_is_flown() -> None:
 
 
 def test_all_shipped_missions_are_tested_here() -> None:
-    assert tuple(sorted(missions.names())) == SHIPPED
+    assert tuple(MISSIONS) == SHIPPED
+    assert {*MISSIONS, *FLEETS} == missions.names().keys()

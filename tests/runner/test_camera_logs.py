@@ -29,6 +29,7 @@ class _Reader:
         self._periods += 1
         if self._periods % 40 == 0:
             for name in ("front", "ventral"):
+                pilot.vehicle.use_camera(name)
                 self.frames += pilot.channel.camera(name).latest() is not None
 
 

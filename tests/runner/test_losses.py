@@ -19,7 +19,7 @@ class Failing(FakeSession):
     """Fake vehicles to which something happens at 3 s."""
 
     def __init__(self, options: Options, happens: Callable[[Failing], None]) -> None:
-        super().__init__(options.vehicles, options=options)
+        super().__init__((each.name for each in options.vehicles), options=options)
         self._happens = happens
 
     def wait(self) -> float:
