@@ -320,7 +320,8 @@ class FakeVehicle(BaseVehicle):
                     self._turn(wrap(place.yaw - self.yaw) / step, step)
                 else:
                     self._turn(place.yaw_rate or 0.0, step)
-                return self._towards(Point(*place.xyz), step)
+                moved = _times(Point(*(place.velocity or _STILL)), step)
+                return self._towards(Point(*place.xyz).plus(moved), step)
             case Velocity(x, y, z, frame, yaw_rate):
                 if frame == "heading":
                     x, y = rotate_xy(x, y, self.yaw)

@@ -110,14 +110,18 @@ class Velocity(NamedTuple):
 class Position(NamedTuple):
     """Fly to a place (world frame), and be there at ``velocity``, m/s (feed-forward).
 
-    A moving position is sent anew every period; a fixed one needs no velocity. ``yaw`` (radians)
-    asks for a heading, otherwise ``yaw_rate`` (rad/s) turns; with neither the heading stays.
+    A moving position is where the vehicle is to be when it is sent, with the mean velocity and
+    ``acceleration`` (m/s², feed-forward) until the next one, and it is sent anew every period; a
+    fixed one needs neither. ``yaw`` (radians) asks for a heading, otherwise ``yaw_rate`` (rad/s)
+    turns; with neither the heading stays.
     """
 
     xyz: Point
     velocity: Point | None = None
     yaw: float | None = None
     yaw_rate: float | None = None
+    acceleration: Point | None = None
+    """Without it, as far as a vehicle asks, the change of the velocity since the last one."""
 
 
 class Attitude(NamedTuple):
@@ -157,6 +161,9 @@ def is_finite(setpoint: Setpoint) -> bool:
         total = x + y + z + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
         if setpoint.velocity is not None:
             x, y, z = setpoint.velocity
+            total += x + y + z
+        if setpoint.acceleration is not None:
+            x, y, z = setpoint.acceleration
             total += x + y + z
     elif isinstance(setpoint, Velocity):
         total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate

@@ -351,7 +351,7 @@ class SimVehicle(BaseVehicle):
         if setpoint.velocity is None:
             controller.fly_to(*setpoint.xyz)
         else:
-            self._follow(setpoint.xyz, setpoint.velocity)
+            self._follow(setpoint.xyz, setpoint.velocity, setpoint.acceleration)
         if setpoint.yaw is not None:
             controller.face(setpoint.yaw)
         else:
@@ -367,15 +367,17 @@ class SimVehicle(BaseVehicle):
         controller.tilt(roll, pitch, climb, thrust)
         controller.turn(yaw_rate)
 
-    def _follow(self, place: Point, velocity: Point) -> None:
-        # The acceleration is that between the set-points of two successive periods.
-        led = self._last_feed_forward or velocity
+    def _follow(self, place: Point, velocity: Point, acceleration: Point | None) -> None:
         self._controller.fly_to(*place, velocity)
-        self._controller.acceleration = (
-            (velocity[0] - led[0]) / PERIOD,
-            (velocity[1] - led[1]) / PERIOD,
-            (velocity[2] - led[2]) / PERIOD,
-        )
+        if acceleration is None:
+            # Then it is that between the set-points of two successive periods.
+            led = self._last_feed_forward or velocity
+            acceleration = Point(
+                (velocity[0] - led[0]) / PERIOD,
+                (velocity[1] - led[1]) / PERIOD,
+                (velocity[2] - led[2]) / PERIOD,
+            )
+        self._controller.acceleration = acceleration
         self._feed_forward = velocity
 
     def _brake(self) -> None:
