@@ -196,14 +196,17 @@ class Bullet:
     def step(self) -> None:
         for mover in self._movers:
             mover.drive(self._steps)
-        if self._terrain is not None:
-            for body in self._bodies:
+        for body in self._bodies:
+            if body.withdrawn:
+                body.hold()
+            elif self._terrain is not None:
                 body.keep_above(self._terrain)
         self._steps += 1
         self._p.stepSimulation(self._client)
         if self._steps % _STEPS_BETWEEN_LOOKS == 0:
             for body in self._bodies:
-                body.settle()
+                if not body.withdrawn:
+                    body.settle()
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
         hit = self._cast([start], [end])[0]
@@ -260,24 +263,47 @@ class BulletBody:
         self._registry = registry
         self._thickness = thickness
         self._set_velocity = partial(p.resetBaseVelocity, body, physicsClientId=client)
+        self._set_pose = partial(p.resetBasePositionAndOrientation, body, physicsClientId=client)
+        self._set_groups = partial(p.setCollisionFilterGroupMask, body, -1, physicsClientId=client)
         self._activate = partial(p.changeDynamics, body, -1, physicsClientId=client)
         self._sleep = p.ACTIVATION_STATE_SLEEP | p.ACTIVATION_STATE_ENABLE_SLEEPING
         self._wake = p.ACTIVATION_STATE_WAKE_UP | p.ACTIVATION_STATE_DISABLE_SLEEPING
         self._pushed = self._still = False
         """Since the last look, and at it (see :meth:`settle`)."""
         self._may_sleep = False
+        self.withdrawn = False
+        """True while it is out of the world."""
 
     def state(self) -> BodyState:
         position, attitude = self._position()
         velocity, turning = self._velocity()
         return position, attitude, velocity, turning
 
-    def push(self, thrust: float, x: float, y: float, z: float) -> None:
+    def push(self, force: Triple, torque: Triple) -> None:
         axes, client = self._own_axes, self._client
         if not self._pushed:
             self._wake_up()
-        self._force((0.0, 0.0, thrust), (0.0, 0.0, 0.0), axes, client)
-        self._torque((x, y, z), axes, client)
+        self._force(force, (0.0, 0.0, 0.0), axes, client)
+        self._torque(torque, axes, client)
+
+    def withdraw(self) -> None:
+        # Not put to sleep: Bullet takes a step to wake a body, in which it loses its velocity.
+        self._wake_up()
+        self.withdrawn = True
+        self.moor(False)
+        self._set_groups(0, 0)
+        self.hold()
+
+    def hold(self) -> None:
+        """Before a step: let a withdrawn body stay where it is; a step adds gravity first."""
+        self._set_velocity((0.0, 0.0, GRAVITY * STEP), (0.0, 0.0, 0.0))
+
+    def place(self, state: BodyState) -> None:
+        position, attitude, velocity, turning = state
+        self.withdrawn = False
+        self._set_groups(_FREE, _FIXED | _FREE)
+        self._set_pose(position, attitude)
+        self._set_velocity(velocity, turning)
 
     def keep_above(self, terrain: Terrain) -> None:
         """Before a step: let it not come as deep into the terrain as it could in a hard fall.

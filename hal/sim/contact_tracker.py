@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Sequence
 from math import cos, hypot, pi, sin
 
-from hal.sim.airframe import Airframe
 from hal.sim.contact_debouncer import ContactDebouncer
+from hal.sim.model import Model
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Body, BodyState, Physics, Touch, Triple
 from vencejo.geometry import distance
@@ -43,14 +43,14 @@ class ContactTracker:
         self,
         physics: Physics,
         body: Body,
-        airframe: Airframe,
+        model: Model,
         obstacles: ObstacleHeightGrid | None,
     ) -> None:
         """``obstacles``: where contacts are possible; without it they are looked up always."""
         self._physics = physics
         self._body = body
-        self._height = airframe.height
-        self._level = cos(airframe.steepest_ground)
+        self._height = model.height
+        self._level = cos(model.steepest_ground)
         """Least upward part of the unit normal of a surface that it can stand on."""
         self._obstacles = obstacles
         self._touches: Sequence[Touch] = ()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import hypot, inf, sqrt, tan
 
-from hal.sim.airframe import Airframe
+from hal.sim.model import Model
 from hal.sim.physics import GRAVITY, BodyState, Triple
 from vencejo.geometry import rotate_xy, wrap, yaw_of
 
@@ -50,21 +50,21 @@ class Controller:
         "min_altitude", "noise",
     )  # fmt: skip
 
-    def __init__(self, airframe: Airframe) -> None:
-        self._center_height = airframe.height
-        self._mass = airframe.mass
-        self._max_thrust = airframe.max_thrust
-        self._max_tilt_torque, self._max_yaw_torque = airframe.max_torques
-        ix, iy, iz = airframe.inertia
+    def __init__(self, model: Model) -> None:
+        self._center_height = model.height
+        self._mass = model.mass
+        self._max_thrust = model.max_thrust
+        self._max_tilt_torque, self._max_yaw_torque = model.max_torques
+        ix, iy, iz = model.inertia
         self._gain_x, self._damping_x = ix * _TILT_GAIN, ix * _TILT_DAMPING
         self._gain_y, self._damping_y = iy * _TILT_GAIN, iy * _TILT_DAMPING
         self._yaw_rate_gain = iz * _YAW_RATE_GAIN
-        self.max_speed = airframe.max_speed
-        self.max_climb = airframe.max_climb
+        self.max_speed = model.max_speed
+        self.max_climb = model.max_climb
         self._max_tilt_tan = 0.0
         """Tangent of the largest tilt: horizontal over vertical part of the thrust."""
-        self.max_tilt = airframe.max_tilt
-        self.max_yaw_rate = airframe.max_yaw_rate
+        self.max_tilt = model.max_tilt
+        self.max_yaw_rate = model.max_yaw_rate
         self.min_altitude, self.max_altitude = -inf, inf
         self.noise = (0.0, 0.0, 0.0)
         """Noise added to the target velocity, world frame, m/s."""

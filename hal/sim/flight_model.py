@@ -5,14 +5,13 @@ from __future__ import annotations
 from math import dist, hypot, inf, sqrt
 
 from hal.flight_model import FlightModel
-from hal.sim.airframe import PROFILES, Airframe
+from hal.sim.model import ARDRONE2, PROFILES
 from vencejo.geometry import Point
 
 RETURN_HEIGHT = 5.0
 """Least height above home of a return, metres."""
 ACCELERATION = 1.5
 """With which legs are begun and ended, m/s²: that of the behaviours, on average."""
-_AIRFRAME = Airframe()
 
 
 def leg_charge(begin: Point, end: Point, speed: float | None, stay: float) -> float:
@@ -24,12 +23,12 @@ def leg_charge(begin: Point, end: Point, speed: float | None, stay: float) -> fl
     length, rise = dist(begin, end), abs(end.z - begin.z)
     level = hypot(end.x - begin.x, end.y - begin.y)
     if length == 0.0:
-        return stay / _AIRFRAME.endurance
-    over_ground = _AIRFRAME.max_speed * length / level if level else inf
-    climbing = _AIRFRAME.max_climb * length / rise if rise else inf
+        return stay / ARDRONE2.endurance
+    over_ground = ARDRONE2.max_speed * length / level if level else inf
+    climbing = ARDRONE2.max_climb * length / rise if rise else inf
     reached = min(over_ground, climbing, speed or inf, sqrt(length * ACCELERATION))
     # A begin and an end at a steady acceleration take as long again as the way they shorten.
-    return (length / reached + reached / ACCELERATION + stay) / _AIRFRAME.endurance
+    return (length / reached + reached / ACCELERATION + stay) / ARDRONE2.endurance
 
 
 FLIGHT_MODEL = FlightModel(leg_charge, RETURN_HEIGHT, PROFILES)

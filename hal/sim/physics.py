@@ -57,8 +57,17 @@ class Body(Protocol):
     def state(self) -> BodyState:
         """Its pose and velocities after the last step."""
 
-    def push(self, thrust: float, x: float, y: float, z: float) -> None:
-        """Apply a force (N) along its own z and torques (N·m) about its own axes for one step."""
+    def push(self, force: Triple, torque: Triple) -> None:
+        """Apply a force (N) and a torque (N·m), both in its own axes, for one step."""
+
+    def withdraw(self) -> None:
+        """Take it out of the world: it moves nowhere, and nothing touches it, until it is placed.
+
+        Something else integrates its motion meanwhile.
+        """
+
+    def place(self, state: BodyState) -> None:
+        """Put it back, once it was withdrawn, with a pose and velocities."""
 
     def moor(self, moored: bool) -> None:
         """Let it keep its place on the moving thing on which it stands, or no longer.

@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
-from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
+from hal.sim.model import ARDRONE2
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
@@ -30,8 +30,8 @@ class SimSession:
     def __init__(self, options: Options, world: World, physics: Physics) -> None:
         """Raises UserError for wrong settings, names of vehicles, or start poses."""
         settings = read_settings(options.settings)
-        airframe = Airframe()
-        starts = start_poses(world, options.vehicles, airframe.size)
+        model = ARDRONE2
+        starts = start_poses(world, options.vehicles, model.size)
         physics.add_things(world.things, world.ground.terrain)
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
@@ -47,9 +47,9 @@ class SimSession:
             SimVehicle(
                 name,
                 physics,
-                airframe=airframe,
+                model=model,
                 start=start,
-                battery=Battery(airframe, world.battery, chargers),
+                battery=Battery(model.battery, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
                 obstacles=obstacles if alone else None,
             )
@@ -63,11 +63,11 @@ class SimSession:
         for vehicle in self._all:
             name = vehicle.name
             context.pose_histories[name] = vehicle.pose_history
-            context.appearances[name] = quadrotor(name, arm=airframe.arm, size=airframe.size)
+            context.appearances[name] = quadrotor(name, arm=model.rotors.arm, size=model.size)
             context.lamps[name] = vehicle.lamps
             if not alone:
-                height = airframe.size[2]
-                context.appearances |= lamp_things(name, arm=airframe.arm, height=height)
+                height = model.size[2]
+                context.appearances |= lamp_things(name, arm=model.rotors.arm, height=height)
             cameras = {
                 camera: SimCamera(name, camera, spec, context, self._steps)
                 for camera, spec in settings.cameras.items()

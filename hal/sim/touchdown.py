@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import cos, hypot, pi, tan
 from typing import Literal
 
-from hal.sim.airframe import Airframe
 from hal.sim.contact_tracker import ContactTracker
+from hal.sim.model import Model
 from hal.sim.physics import BodyState
 
 _ON_EDGE = 2
@@ -34,12 +34,12 @@ Verdict = Literal["", "stands", "unstable", "capsized"]
 class Touchdown:
     """Tells in each mission period of a landing whether the vehicle stands."""
 
-    def __init__(self, contacts: ContactTracker, airframe: Airframe) -> None:
+    def __init__(self, contacts: ContactTracker, model: Model) -> None:
         self._contacts = contacts
-        self._least_cosine = cos(airframe.steepest_ground + _TIPPED)
-        self._capsized_cosine = cos(airframe.steepest)
-        length, width, _ = airframe.size
-        self._gap = hypot(length, width) / 2 * tan(airframe.steepest_ground) + _SWAYS
+        self._least_cosine = cos(model.steepest_ground + _TIPPED)
+        self._capsized_cosine = cos(model.steepest)
+        length, width, _ = model.size
+        self._gap = hypot(length, width) / 2 * tan(model.steepest_ground) + _SWAYS
         """Most height above the ground of a vehicle that touches a slope, metres."""
         self.idle = False
         """True when the thrust is cut: the vehicle lies down on what it touches, and comes to rest

@@ -9,15 +9,16 @@ from hal.base import BaseVehicle, not_to_be_swapped
 from hal.lights import Lights, Rgb
 from hal.limits import Limits
 from hal.orders import DONE, UNDER_WAY, Decision, refused
-from hal.sim.airframe import Airframe
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.control import Controller
 from hal.sim.flight_model import RETURN_HEIGHT
+from hal.sim.model import Model
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import BodyState, Physics, in_body
 from hal.sim.pose_history import PoseHistory
+from hal.sim.rotor_power import rotor_power
 from hal.sim.starts import StartPose
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
@@ -68,7 +69,7 @@ class SimVehicle(BaseVehicle):
         name: str,
         physics: Physics,
         *,
-        airframe: Airframe,
+        model: Model,
         start: StartPose,
         battery: Battery,
         noise: CommandNoise,
@@ -90,13 +91,13 @@ class SimVehicle(BaseVehicle):
                 "swap_battery": self._decide_swap_battery,
             },
         )
-        self.profiles = airframe.profiles
-        self._airframe = airframe
+        self.profiles = model.profiles
+        self._model = model
         self._body = physics.add_body(
-            airframe.mass,
-            airframe.inertia,
-            airframe.size,
-            (start.home.x, start.home.y, start.home.z + start.raised + airframe.height),
+            model.mass,
+            model.inertia,
+            model.size,
+            (start.home.x, start.home.y, start.home.z + start.raised + model.height),
             yaw_quaternion(start.heading),
             name,
         )
@@ -107,7 +108,7 @@ class SimVehicle(BaseVehicle):
         self.capabilities = CAPABILITIES
         self.cameras: Mapping[str, Camera] = {}
         self.sensors: Mapping[str, Sensor] = {}
-        self._controller = Controller(airframe)
+        self._controller = Controller(model)
         self._control, self._push, self._read_state = (
             self._controller.step,
             self._body.push,
@@ -118,8 +119,8 @@ class SimVehicle(BaseVehicle):
         """In this mission period."""
         self._battery = battery
         self._noise = noise
-        self._contacts = ContactTracker(physics, self._body, airframe, obstacles)
-        self._touchdown = Touchdown(self._contacts, airframe)
+        self._contacts = ContactTracker(physics, self._body, model, obstacles)
+        self._touchdown = Touchdown(self._contacts, model)
         self._unstable = False
         """True when it found in this period that it does not stand where it came down."""
         if battery.chargers:
@@ -161,7 +162,7 @@ class SimVehicle(BaseVehicle):
         return Observation._make(
             (
                 self._time,
-                Point(x, y, z - self._airframe.height),
+                Point(x, y, z - self._model.height),
                 Point(*velocity),
                 attitude,
                 wrap(yaw_of(attitude)),
@@ -200,7 +201,7 @@ class SimVehicle(BaseVehicle):
 
     def _position(self) -> Point:
         x, y, z = self._state[0]
-        return Point(x, y, z - self._airframe.height)
+        return Point(x, y, z - self._model.height)
 
     def _health(self) -> tuple[str, ...]:
         problems: tuple[str, ...] = ()
@@ -387,8 +388,8 @@ class SimVehicle(BaseVehicle):
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
         given = limits.given()
-        if given.get("max_tilt", 0.0) > self._airframe.steepest:
-            steepest = self._airframe.steepest
+        if given.get("max_tilt", 0.0) > self._model.steepest:
+            steepest = self._model.steepest
             return Answer(False, f"'max_tilt' can be {steepest:.2f} rad at most")
         low = given.get("min_altitude", self._min_altitude)
         high = given.get("max_altitude", self._controller.max_altitude)
@@ -431,7 +432,7 @@ class SimVehicle(BaseVehicle):
         if self._motors_run:
             thrust, x, y, z = self._control(self._state)
             self._thrust_sum += thrust
-            self._push(thrust, x, y, z)
+            self._push((0.0, 0.0, thrust), (x, y, z))
 
     def sense(self) -> None:
         """Read the state and the contacts after a physics step."""
@@ -448,7 +449,8 @@ class SimVehicle(BaseVehicle):
         self._time = time
         self._last_feed_forward, self._feed_forward = self._feed_forward, None
         self._controller.acceleration = (0.0, 0.0, 0.0)
-        self._battery.drain(self._thrust_sum / STEPS_PER_PERIOD, PERIOD)
+        power = rotor_power(self._model.rotors, self._thrust_sum / STEPS_PER_PERIOD)
+        self._battery.drain(self._model.battery.standby + power, PERIOD)
         self._thrust_sum = 0.0
         if self._battery.chargers and self._mode == "landed" and not self._armed:
             self._battery.charge_on(self._contacts.thing, PERIOD)

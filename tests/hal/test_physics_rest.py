@@ -91,14 +91,14 @@ def test_a_push_moves_what_has_stood_for_long(engine: str) -> None:
         body = vehicle(physics, (0, 0, 0.06))
         run(physics, 10)
         for _ in range(120):
-            body.push(1.5 * WEIGHT, 0, 0, 0)
+            body.push((0.0, 0.0, 1.5 * WEIGHT), (0, 0, 0))
             physics.step()
         (_, _, z), _, (_, _, speed), _ = body.state()
         assert speed == pytest.approx(0.5 * 9.80665 * 0.5, rel=0.01)
         assert z == pytest.approx(0.06 + speed * 0.25, abs=0.02)
         # Even where it hangs still in the air it does not stay there without a push.
         for _ in range(240 * 4):
-            body.push(WEIGHT - 0.436 * 20 * body.state()[2][2], 0, 0, 0)
+            body.push((0.0, 0.0, WEIGHT - 0.436 * 20 * body.state()[2][2]), (0, 0, 0))
             physics.step()
         high = body.state()[0][2]
         run(physics, 0.25)
@@ -127,7 +127,7 @@ def test_a_body_that_comes_down_on_another_rests_on_it(engine: str) -> None:
         run(physics, 5)
         assert above.state()[0][2] == pytest.approx(0.18, abs=0.002)
         for _ in range(240):
-            below.push(3 * WEIGHT, 0, 0, 0)
+            below.push((0.0, 0.0, 3 * WEIGHT), (0, 0, 0))
             physics.step()
         assert dist(below.state()[0], (0, 0, 0.06)) > 0.1
         assert dist(above.state()[0], (0.1, 0, 0.18)) > 0.1

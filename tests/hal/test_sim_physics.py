@@ -66,7 +66,7 @@ def test_nothing_slows_a_free_body_down(physics: Bullet) -> None:
 def test_a_push_is_along_the_bodys_own_axes(physics: Bullet) -> None:
     on_its_side = (sin(pi / 4), 0.0, 0.0, cos(pi / 4))  # rolled by 90°: its z points to −y
     thing = body(physics, (0, 0, 50.0), on_its_side)
-    thing.push(3.0, 0.1, 0.2, 0.3)
+    thing.push((0.0, 0.0, 3.0), (0.1, 0.2, 0.3))
     physics.step()
     _, _, velocity, turning = thing.state()
     assert velocity == pytest.approx((0, -1.5 * STEP, -GRAVITY * STEP), abs=1e-9)
@@ -108,7 +108,7 @@ def test_a_wall_beside_it_supports_nothing(physics: Bullet) -> None:
     thing = body(physics, (0, 0, 5.5))
     assert not carried(thing)
     for _ in range(5):
-        thing.push(2 * GRAVITY, 0, 0, 0)
+        thing.push((0.0, 0.0, 2 * GRAVITY), (0, 0, 0))
         physics.step()
     assert not carried(thing)
 

@@ -290,7 +290,7 @@ def test_a_mover_is_met_by_rays_and_bodies(physics: Bullet) -> None:
     body = drone(physics, (5, 0, 1.1), "d")
     felt = set()
     for _ in range(round(4 / STEP)):
-        body.push(0.436 * GRAVITY, 0, 0, 0)
+        body.push((0.0, 0.0, 0.436 * GRAVITY), (0, 0, 0))
         physics.step()
         felt |= {each.name for each in body.contacts()}
     assert felt == {"pad"}

@@ -239,7 +239,7 @@ def test_a_leg_farther_than_the_battery_lasts_is_told_with_the_point_of_no_retur
     findings = checked(to("[2000, 20, 400]"))
     (fault,) = findings.faults
     assert (fault.code, str(fault.where)) == ("beyond-battery", "m.yaml:6:29")
-    assert "critical after 1218 m of 2039 m" in fault.message
+    assert "critical after 1219 m of 2039 m" in fault.message
     assert fault.hint is not None and fault.hint.startswith("the point of no return is [7")
 
 
