@@ -11,6 +11,7 @@ from behaviors.frame import MissionFrame
 from behaviors.setpoints import checked, number
 from fsm.values.intake import kind_of
 from hal.lights import Lights
+from hal.limits import Limits
 from hal.orders import Order
 from hal.vehicle import Camera, Observation, Sensor, Setpoint
 
@@ -71,6 +72,11 @@ class Flight:
     def capabilities(self) -> frozenset[str]:
         """The vehicle's capabilities (see :attr:`hal.Vehicle.capabilities`)."""
         return self._channel.vehicle.capabilities
+
+    @property
+    def limits(self) -> Limits:
+        """The vehicle's limits as they hold (see :attr:`hal.Vehicle.limits`)."""
+        return self._channel.vehicle.limits
 
     def camera(self, name: str) -> Camera:
         """A camera whose frames carry mission-frame poses. Raises hal's Unavailable."""

@@ -26,7 +26,7 @@ vehicle is given place, velocity and acceleration, and so neither lags behind no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
+from math import atan2, sqrt
 
 from behaviors.moving_average import MovingAverage
 from behaviors.params import Face, Heading
@@ -50,6 +50,8 @@ MIN_TRAVEL = 0.3
 NEARBY = 1.0
 """An interrupted behaviour continues if the vehicle is at most this far from there, metres."""
 STILL = Point(0.0, 0.0, 0.0)
+_LEVEL = 0.01
+"""Square of the level part of a direction below which it is upright."""
 _DELAY = (SMOOTHING - 1) / 2 * PERIOD
 """Time by which the reference is behind its carrot, seconds."""
 
@@ -145,6 +147,12 @@ class Reference:
 
 def _times(vector: Point, factor: float) -> Point:
     return Point(vector.x * factor, vector.y * factor, vector.z * factor)
+
+
+def yaw_along(direction: Point, present_yaw: float) -> float:
+    """The yaw of a nose along a direction, a unit vector; ``present_yaw`` where that is upright."""
+    level = direction.x * direction.x + direction.y * direction.y
+    return atan2(direction.y, direction.x) if level > _LEVEL else present_yaw
 
 
 def yaw_towards(

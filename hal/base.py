@@ -71,6 +71,11 @@ class BaseVehicle:
 
     # Methods for subclasses to override.
 
+    @property
+    def limits(self) -> Limits:
+        """See the contract: a vehicle that does not override it does not know its limits."""
+        return Limits()
+
     def refusal(self) -> str:
         """The reason why the vehicle cannot fly a set-point now; empty when it can."""
         return ""

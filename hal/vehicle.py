@@ -286,6 +286,12 @@ class Vehicle(Protocol):
     def profiles(self) -> Mapping[str, Limits]:
         """Named limits of the vehicle's model (``indoor``, ``outdoor``), altitudes above home."""
 
+    @property
+    def limits(self) -> Limits:
+        """The limits as they hold now, altitudes in the world frame; None where it is not known,
+        or there is none.
+        """
+
     def observe(self) -> Observation:
         """The state at the present mission period.
 

@@ -385,6 +385,19 @@ class SimVehicle(BaseVehicle):
         self._controller.fly_at(0.0, 0.0, 0.0)
         self._braking = True
 
+    @property
+    def limits(self) -> Limits:
+        controller, low = self._controller, self._min_altitude
+        high = controller.max_altitude
+        return Limits(
+            controller.max_speed,
+            controller.max_climb,
+            controller.max_tilt,
+            controller.max_yaw_rate,
+            None if low == -inf else low,
+            None if high == inf else high,
+        )
+
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
         given = limits.given()

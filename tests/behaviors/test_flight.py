@@ -217,8 +217,8 @@ def test_limits_count_from_home() -> None:
     channel = Channel(vehicle, MissionFrame(HOME), Random(0))
     channel.world = channel.world._replace(home=HOME)
     assert channel.configure(Limits(min_altitude=1.0, max_altitude=4.0, max_speed=2.0)) == ACCEPTED
-    assert (vehicle.limits["min_altitude"], vehicle.limits["max_altitude"]) == (2.0, 5.0)
-    assert vehicle.limits["max_speed"] == 2.0
+    assert (vehicle.limits.min_altitude, vehicle.limits.max_altitude) == (2.0, 5.0)
+    assert vehicle.limits.max_speed == 2.0
 
 
 def test_pictures_are_taken_in_the_mission_frame() -> None:
