@@ -149,6 +149,12 @@ def _times(vector: Point, factor: float) -> Point:
     return Point(vector.x * factor, vector.y * factor, vector.z * factor)
 
 
+def stopping_place(seen: Observation) -> Point:
+    """Where a reference comes to rest that stops now."""
+    speed = seen.velocity.norm()
+    return seen.position.plus(_times(seen.velocity, speed / (2 * ACCELERATION) + _DELAY))
+
+
 def yaw_along(direction: Point, present_yaw: float) -> float:
     """The yaw of a nose along a direction, a unit vector; ``present_yaw`` where that is upright."""
     level = direction.x * direction.x + direction.y * direction.y

@@ -18,7 +18,7 @@ from math import hypot, inf, sqrt, tan
 from behaviors.guidance import BRAKING, acceleration_at
 from behaviors.path import Path
 from hal.limits import Limits
-from vencejo.geometry import Point
+from vencejo.geometry import Point, distance
 
 TURN_RATE = 4.0
 """Largest rate at which the direction of flight turns, rad/s; faster, smoothing cuts the bend."""
@@ -101,6 +101,26 @@ class Pace:
         return way, speed
 
 
+def even(path: Path, speed: float) -> Pace:
+    """The pace at one speed, m/s, from the first moment on."""
+    return Pace([way / speed for way in path.ways], path.ways, [speed] * len(path.ways))
+
+
+def slowed(path: Path, pace: Pace, agility: Agility) -> Pace:
+    """A pace, with nodes at those of its path, so much slower that the vehicle can fly it."""
+    velocities = [_times(d, v) for d, v in zip(path.directions, pace.speeds, strict=True)]
+    turns = (
+        distance(a, b) / (u - t)
+        for a, b, t, u in zip(velocities, velocities[1:], pace.times, pace.times[1:], strict=False)
+    )
+    factor = max(1.0, sqrt(max(turns) / agility.acceleration))
+    for direction, speed in zip(path.directions, pace.speeds, strict=True):
+        factor = max(factor, speed / agility.most(direction))
+    if factor == 1.0:
+        return pace
+    return Pace([t * factor for t in pace.times], pace.ways, [v / factor for v in pace.speeds])
+
+
 def paced(path: Path, asked: Sequence[float], agility: Agility) -> Pace:
     """The fastest pace of a path, from rest to rest.
 
@@ -155,3 +175,7 @@ class _Steps:
 
     def pace(self) -> Pace:
         return Pace(self._times, self._ways, self._speeds)
+
+
+def _times(vector: Point, factor: float) -> Point:
+    return Point(vector.x * factor, vector.y * factor, vector.z * factor)

@@ -8,7 +8,7 @@ curves have nodes near enough to each other.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import acos, ceil, cos, sin, tan
@@ -209,6 +209,44 @@ def _direction(a: Point, b: Point) -> tuple[Point, float]:
 def angle_between(u: Point, v: Point) -> float:
     """The angle between two unit vectors, radians."""
     return acos(max(-1.0, min(1.0, u.x * v.x + u.y * v.y + u.z * v.z)))
+
+
+def traced(
+    place: Callable[[float], Point], derivative: Callable[[float], Point], values: Sequence[float]
+) -> tuple[Path, list[float]]:
+    """The path that a place draws as its parameter takes some values, and the speed at each.
+
+    ``derivative`` is that by the parameter, and so is the speed. It must be nowhere zero, and the
+    values near enough for its bends (ANGLE_STEP).
+    """
+    speeds = [derivative(value).norm() for value in values]
+    builder = PathBuilder(place(values[0]), _times(derivative(values[0]), 1 / speeds[0]))
+    for k in range(1, len(values)):
+        a, b = values[k - 1], values[k]
+        # Simpson's rule.
+        middle = derivative((a + b) / 2).norm()
+        length = (speeds[k - 1] + 4 * middle + speeds[k]) * (b - a) / 6
+        builder.add(place(b), _times(derivative(b), 1 / speeds[k]), length)
+    return builder.path(), speeds
+
+
+def joined(first: Path, second: Path) -> Path:
+    """Two paths, the second of which begins where and as the first ends."""
+    return Path(
+        [*first.places, *second.places[1:]],
+        [*first.directions, *second.directions[1:]],
+        [*first.ways, *(first.length + way for way in second.ways[1:])],
+    )
+
+
+def repeated(path: Path, times: int) -> Path:
+    """A closed path, flown so many times."""
+    places, directions, ways = list(path.places), list(path.directions), list(path.ways)
+    for lap in range(1, times):
+        places += path.places[1:]
+        directions += path.directions[1:]
+        ways += [way + lap * path.length for way in path.ways[1:]]
+    return Path(places, directions, ways)
 
 
 def spline(points: Sequence[Point], closed: bool = False) -> tuple[Path, list[float]]:

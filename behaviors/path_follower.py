@@ -41,6 +41,10 @@ class _Clock:
         self.time += self._rate * dt
         return self.time
 
+    def halt(self) -> None:
+        """Stop, to go on anew."""
+        self._rate = 0.0
+
     def _stopping_rate(self, dt: float) -> float:
         if not self._ramp:
             return inf
@@ -137,6 +141,13 @@ class PathFollower:
         flown = vehicle.velocity
         along = flown.x * velocity.x + flown.y * velocity.y + flown.z * velocity.z
         return max(0.0, along / speed + (MAX_LEAD - lead) * CATCH_UP) / speed
+
+    def halt(self) -> None:
+        """Stop where it is now, to come to speed anew from there."""
+        (way, place), time = self._steps[0], self._clock.time
+        self._clock.halt()
+        self._smoothing = _Smoothing([time] if self._ramp else [way, *place])
+        self._steps = [(way, place)] * _KNOWN
 
     def setpoint(self, yaw: float) -> Position:
         """Where the vehicle is to be now, with the velocity and acceleration until the next."""

@@ -111,11 +111,14 @@ class WaypointFlight:
         self._braking: Reference | None = None
         """The stop of a vehicle that moves; the path begins where that ends."""
         self._section: _Section | None = None
+        self.went_on = False
+        """Whether it goes on from its progress; from farther away it begins anew."""
         if progress:
             self._start_yaw = progress["start_yaw"]
             # From farther away the way to the point begins anew, as do timeout and patience.
             if distance(progress["watch"]["here"], seen.position) <= NEARBY:
                 self._resume(progress)
+                self.went_on = True
                 return
         if seen.velocity.norm() < _STILL:
             self._begin_section(seen.position)
