@@ -3,6 +3,7 @@
 from behaviors.action import action
 from behaviors.behavior import Behavior, describe
 from behaviors.calls import Calls, CodeFailed, TookTooLong
+from behaviors.exchange import Exchange
 from behaviors.flight import Flight, NotInControl
 from behaviors.frame import MissionFrame
 from behaviors.params import (
@@ -32,6 +33,7 @@ __all__ = [
     "BehaviorParams",
     "Calls",
     "CodeFailed",
+    "Exchange",
     "Face",
     "Flight",
     "Heading",

@@ -8,7 +8,7 @@ landed: the landing is ordered even when the link is lost.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import inf
 from typing import Any
 
@@ -84,6 +84,10 @@ class Pilot:
         self.reason = ""
         """The reason why the mission was ended from outside; empty when it ended by itself."""
         self.outcome: str | None = None
+        self.on_send: Callable[[str, Mapping[str, Any], str], None] | None = None
+        """Called with each event to another vehicle: its name, its fields, the vehicle's name."""
+        self.stands = False
+        """Whether it commands nothing but a landing: for a vehicle without a mission."""
         self._watch = Watch(thresholds or Thresholds())
         self._calls = calls or Calls()
         self._lapses: set[str] = set()
@@ -172,8 +176,13 @@ class Pilot:
             raise EvaluationError(str(error)) from None
 
     def send(self, event: str, fields: Mapping[str, Any], to: str) -> None:
-        """Record an event to another vehicle as undelivered, for there is none (see fsm.Host)."""
-        self.instance.record("undelivered", event=event, to=to)
+        """Give an event to another vehicle of the fleet; where there is none, record it as
+        undelivered (see fsm.Host).
+        """
+        if self.on_send is None:
+            self.instance.record("undelivered", event=event, to=to)
+        else:
+            self.on_send(event, fields, to)
 
     # -- the period -------------------------------------------------------------------------
 
@@ -212,7 +221,7 @@ class Pilot:
             self.land_now("the link to the vehicle is gone", "failed")
         if self.outcome is not None:
             self._bring_down(dt)
-        elif self.landing is None:
+        elif self.landing is None and not self.stands:
             self._command()
 
     def _hear_of_called(self) -> None:

@@ -9,6 +9,7 @@ from behaviors.calls import Calls
 from behaviors.host_functions import HOST_FUNCTIONS
 from behaviors.registry import Registry
 from fsm.host import BehaviorInfo, Function, Reaction, Vocabulary
+from fsm.values.functions import EvaluationError
 from fsm.values.types import BOOL, POINT, TEXT, MapOf, Number, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point
@@ -46,6 +47,7 @@ EVENTS: Mapping[str, Mapping[str, Type]] = MappingProxyType(
         "vehicle.late": {"step": Number(TIME)},
         "vehicle.collision": {"thing": TEXT},
         "vehicle.unstable": {"thing": TEXT},
+        "vehicle.crashed": {"thing": TEXT, "speed": Number(SPEED), "reason": TEXT},
     }
 )
 REACTIONS: Mapping[str, Reaction] = MappingProxyType(
@@ -65,10 +67,12 @@ class VehicleView:
     It is made every period and rarely read, so its values are computed when they are read.
     """
 
-    __slots__ = ("_seen",)
+    __slots__ = ("_home", "_seen")
 
-    def __init__(self, seen: Observation) -> None:
+    def __init__(self, seen: Observation, home: float = 0.0) -> None:
+        """``home``: the height from which its altitude counts, metres: in the mission frame 0."""
         self._seen = seen
+        self._home = home
 
     @property
     def position(self) -> Point:
@@ -84,7 +88,7 @@ class VehicleView:
 
     @property
     def altitude(self) -> float:
-        return self._seen.position.z
+        return self._seen.position.z - self._home
 
     @property
     def speed(self) -> float:
@@ -114,11 +118,20 @@ class VehicleView:
     def home(self) -> Point:
         return self._seen.home
 
+    @property
+    def wind(self) -> Point:
+        """Raises EvaluationError for a vehicle without the capability."""
+        wind = self._seen.wind
+        if wind is None:
+            raise EvaluationError("this vehicle does not estimate the wind")
+        return wind
 
+
+_VELOCITY = MapOf(MappingProxyType(dict.fromkeys("xyz", Number(SPEED))))
 VEHICLE: Mapping[str, Type] = MappingProxyType(
     {
         "position": POINT,
-        "velocity": POINT,
+        "velocity": _VELOCITY,
         "yaw": Number(ANGLE),
         "altitude": Number(LENGTH),
         "speed": Number(SPEED),
@@ -128,6 +141,7 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
         "mode": TEXT,
         "authority": TEXT,
         "home": POINT,
+        "wind": _VELOCITY,
     }
 )
 

@@ -7,7 +7,7 @@ import sys
 
 BENCHMARKS = (
     "first_flight", "startup", "hold", "gotos", "latency", "engine", "conformance", "safety",
-    "soundness", "worlds", "cameras",
+    "soundness", "worlds", "cameras", "flight", "fleets",
 )  # fmt: skip
 
 for name in BENCHMARKS:

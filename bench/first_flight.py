@@ -29,8 +29,8 @@ from cli.live_view import LiveView
 from fsm import parse_parameters
 from hal import PERIOD
 from hal.sim.bullet import Bullet
+from hal.sim.dynamics import STEPS_PER_PERIOD
 from hal.sim.physics import GRAVITY
-from hal.sim.vehicle import STEPS_PER_PERIOD
 from runner import missions
 from runner.loop import Watcher, fly
 from runner.pace import Pace
@@ -67,7 +67,7 @@ def engine_alone(periods: int = 400, clock: Callable[[], float] = perf_counter) 
     began = clock()
     for _ in range(periods):
         for _ in range(STEPS_PER_PERIOD):
-            body.push(0.4 * GRAVITY, 0.0, 0.0, 0.0)
+            body.push((0.0, 0.0, 0.4 * GRAVITY), (0.0, 0.0, 0.0))
             physics.step()
             body.state()
     elapsed = clock() - began

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -22,18 +22,18 @@ from cli.options import (
     call_limit_option,
     limit_option,
     noise_option,
+    wind_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
-from fsm.language.reader import FLEET
 from hal import backend_capabilities, flight_model
 from runner import missions
 from runner.call_limit import CallLimit
+from runner.fleets import PreparedFleet, check_ways, prepare_any
 from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
 from runner.plan import Plan
-from runner.preparation import Prepared, check_fleet_file, prepare
-from runner.trial_flights import TrialFlight, fly_trials
+from runner.trial_flights import Trial, fly_trials
 from vencejo.errors import Fault, UserError
 
 
@@ -46,11 +46,11 @@ class Report:
     graphs: tuple[Graph, ...] = ()
     """The graph of a mission without errors; the graphs of a fleet's missions that have none."""
     fleet: bool = False
-    prepared: Prepared | None = None
-    """A mission without errors."""
+    plan: Plan | None = None
+    """The plan to fly it, of what has no errors."""
     findings: Findings | None = None
     """What was found of where it flies."""
-    flights: tuple[TrialFlight, ...] = ()
+    trials: tuple[Trial, ...] = ()
     """Its trial flights."""
 
     @property
@@ -89,6 +89,7 @@ class Report:
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
 @noise_option("Disturb the commands of these flights, as for `run`.")
+@wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
 @click.option("--no-code", is_flag=True, help="Do not run the Python files that missions use.")
 @call_limit_option
@@ -101,6 +102,7 @@ def check(
     clearance: float,
     count: int | None,
     noise: float,
+    wind: str | None,
     strict: bool,
     no_code: bool,
     call_limit: float | None,
@@ -123,8 +125,9 @@ def check(
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
+        own = {"noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
-            reports = [_flown(r, count, noise, limit_settings, limit) for r in reports]
+            reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:
         echo_json([_shown(report) for report in reports])
     else:
@@ -132,7 +135,7 @@ def check(
             _print(report, strict)
     if any(report.wrong(strict) for report in reports):
         sys.exit(2)
-    sys.exit(int(any(flight.outcome != "done" for r in reports for flight in r.flights)))
+    sys.exit(int(not all(trial.success for report in reports for trial in report.trials)))
 
 
 @contextmanager
@@ -148,35 +151,48 @@ def _no_garbage() -> Iterator[None]:
 
 
 def _flown(
-    report: Report, count: int, noise: float, limit_settings: LimitSettings, limit: CallLimit
+    report: Report,
+    count: int,
+    own: Mapping[str, object],
+    limit_settings: LimitSettings,
+    limit: CallLimit,
 ) -> Report:
     """The report with trial flights of a mission without errors."""
-    if report.prepared is None or report.of("error"):
+    if report.plan is None or report.of("error"):
         return report
     plan = replace(
-        Plan.alone(report.prepared, settings={"noise": noise}),
+        report.plan,
+        settings=own,
         profile=limit_settings.profile,
         limits=limit_settings.limits,
     )
-    return replace(report, flights=tuple(fly_trials(plan, range(count), limit)))
+    return replace(report, trials=tuple(fly_trials(plan, range(count), limit)))
 
 
 def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
     try:
-        prepared = prepare(missions.find(mission), world, code=code, calls=calls)
-    except UserError as error:
-        if error.code != FLEET:
-            return Report(mission, error.faults)
-    else:
-        graph = prepared.graph
-        findings = check_geometry(graph, prepared.world, terms, calls=calls)
-        told = (*graph.warnings, *findings.faults)
-        return Report(mission, told, (graph,), prepared=prepared, findings=findings)
-    try:
-        faults, graphs = check_fleet_file(missions.find(mission), world, code=code, calls=calls)
+        prepared = prepare_any(missions.find(mission), world, code=code, calls=calls)
     except UserError as error:
         return Report(mission, error.faults)
-    return Report(mission, tuple(faults), tuple(graphs), fleet=True)
+    if isinstance(prepared, PreparedFleet):
+        return _fleet_report(mission, prepared, terms, calls)
+    graph = prepared.graph
+    findings = check_geometry(graph, prepared.world, terms, calls=calls)
+    told = (*graph.warnings, *findings.faults)
+    return Report(mission, told, (graph,), plan=Plan.alone(prepared), findings=findings)
+
+
+def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls) -> Report:
+    assignments = fleet.assignments
+    findings = check_ways(assignments, terms, calls)
+    return Report(
+        mission,
+        tuple(dict.fromkeys((*fleet.faults, *findings.faults))),
+        tuple(each.prepared.graph for each in assignments.values() if not each.stands),
+        fleet=True,
+        plan=Plan(assignments, fleet=fleet.fleet) if fleet.may_fly else None,
+        findings=findings,
+    )
 
 
 def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
@@ -211,10 +227,10 @@ def _shown(report: Report) -> dict[str, Any]:
         found["unknown"] = list(report.findings.unknown)
         found["moving"] = list(report.findings.moving)
         found["complete"] = report.findings.complete
-    if report.flights:
-        from cli.trials import trial_fields
+    if report.plan is not None and report.trials:
+        from cli.trials import trials_fields
 
-        found |= trial_fields(report.graphs[0], report.flights)
+        found |= trials_fields(report.plan, report.trials)
     errors, warnings = len(report.of("error")), len(report.of("warning"))
     return {**found, "errors": errors, "warnings": warnings, "faults": faults}
 
@@ -235,16 +251,16 @@ def _print(report: Report, strict: bool) -> None:
     if report.wrong(strict):
         click.echo(f"{report.mission}: {counts}", err=True)
     else:
-        what = "a fleet without mistakes" if report.fleet else "may fly"
+        what = "the fleet may fly" if report.fleet else "may fly"
         states = f"{report.states} state{'s'[: report.states != 1]}"
         click.echo(f"{report.mission}: {what}, {states}{counts and f', {counts}'}")
     if report.findings is not None:
         for note in _notes(report.findings):
             click.echo(f"  {note}")
-    if report.flights:
-        from cli.trials import trial_lines
+    if report.plan is not None and report.trials:
+        from cli.trials import trials_lines
 
-        for line in trial_lines(report.graphs[0], report.flights):
+        for line in trials_lines(report.plan, report.trials):
             click.echo(f"  {line}")
 
 

@@ -34,7 +34,7 @@ PLACES: Mapping[Place, str] = {
     "actions": "In an action block, run in order; a list of such maps to repeat one",
     "send": "Inside `send`",
     "parameter": "In a parameter, and with `type` and `default` in `data`",
-    "fleet": "At the top of a fleet's file, which is checked but does not fly yet",
+    "fleet": "At the top of a fleet's file",
     "vehicle": "In a vehicle of a fleet",
 }
 """The places of keys, in the order of the page."""
@@ -98,6 +98,13 @@ another. `active('a.b')` tells whether a state is active.
   ground: `takeoff` … `land` … a final state.
 - `include` puts another graph inside a state: `with` gives its parameters, its final outcomes are
   outcomes of the state, their `output` the fields of `event`.
+
+A *fleet* flies several missions in one world: a file with `fleet: NAME` and, under `vehicles`,
+each with its `mission` (a file beside it), `with`, `start` (`{at: [x, y], heading: 90 deg}`) and
+`color`; `run`, `check` and `show` take it like a mission, and `-p VEHICLE.NAME=VALUE` sets a
+parameter. `send: {event: game.over, to: cat, with: {at: $vehicle.position}}` is heard by the other
+in the next period, with `event.source`; places are converted. `until: cat.vehicle.battery < 30 %`
+at the top ends the flight of all with `done`.
 
 Python beside a mission (`uses: [mine.py]`) adds behaviours, classes of `behaviors.Behavior`, and
 functions for `call`, marked with `behaviors.action`; `drone-cli behaviors --uses mine.py` lists

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -25,7 +26,7 @@ from cli.options import (
 )
 from cli.output import echo_json
 from cli.user_code import user_code
-from fsm import BehaviorInfo, Parameter
+from fsm import BehaviorInfo, Graph, Parameter
 from fsm.host import Function
 from hal.renderers import show_window
 from runner import missions as known
@@ -34,6 +35,11 @@ from vencejo.files import write_whole
 from vencejo.units import UNITS, format_quantity
 from worlds import World, find_world, world_families, world_names
 from worlds.world import Fence
+
+if TYPE_CHECKING:
+    from runner.fleets import PreparedFleet
+
+_NOTHING: Mapping[str, Any] = {}
 
 
 def plain(docstring: str) -> str:
@@ -58,23 +64,64 @@ def missions(name: str | None, copy: bool, call_limit: float | None, as_json: bo
         _list_missions(as_json)
         return
     found = known.find(name)
-    if copy:
-        _copy(found.path)
+    if copy and not _about(found.path)[1]:
+        _copy([found.path], found.path.parent)
         return
-    from runner.preparation import prepare
+    from runner.fleets import PreparedFleet, prepare_any
 
     with user_code(call_limit) as limit:
-        graph = prepare(found, calls=limit.calls).graph
+        prepared = prepare_any(found, calls=limit.calls)
+    if isinstance(prepared, PreparedFleet):
+        prepared.require()
+        if copy:
+            _copy(prepared.files, found.path.resolve().parent)
+        else:
+            _show_fleet(prepared, found, as_json)
+        return
+    graph = prepared.graph
     if as_json:
-        parameters = {p.name: _parameter(p) for p in graph.parameters.values()}
         facts = {"mission": graph.name, "description": graph.description, "world": graph.world}
-        echo_json({**facts, "file": str(found.path), "parameters": parameters})
+        echo_json({**facts, "file": str(found.path), "parameters": _parameters(graph)})
         return
     click.echo(f"{graph.name}: {graph.description}\n  file   {found.shown_as}")
     click.echo(f"  world  {graph.world or 'empty'}")
     if graph.parameters:
         click.echo("\nparameters (set with -p NAME=VALUE):")
         _table([(f"  {p.name}", described(p)) for p in graph.parameters.values()])
+
+
+def _parameters(graph: Graph) -> dict[str, Any]:
+    return {p.name: _parameter(p) for p in graph.parameters.values()}
+
+
+def _show_fleet(prepared: PreparedFleet, found: known.Found, as_json: bool) -> None:
+    """Show what the vehicles of a fleet fly, and what can be set of each."""
+    spec, world = prepared.spec, prepared.spec.world.text if prepared.spec.world else "empty"
+    graphs = {
+        name: None if each.stands else each.prepared.graph
+        for name, each in prepared.assignments.items()
+    }
+    if as_json:
+        facts = {"fleet": spec.name, "description": spec.description, "world": world}
+        vehicles = {
+            name: {"mission": graph.name, "parameters": _parameters(graph)} if graph else {}
+            for name, graph in graphs.items()
+        }
+        echo_json({**facts, "file": str(found.path), "vehicles": vehicles})
+        return
+    click.echo(f"{spec.name}: {spec.description}\n  file   {found.shown_as}\n  world  {world}")
+    if spec.until is not None:
+        click.echo(f"  until  {spec.until.text}")
+    click.echo("\nvehicles:")
+    _table([(f"  {name}", graph.name if graph else "stands") for name, graph in graphs.items()])
+    rows = [
+        (f"  {name}.{p.name}", described(p, prepared.assignments[name].parameters))
+        for name, graph in graphs.items()
+        for p in (graph.parameters.values() if graph else ())
+    ]
+    if rows:
+        click.echo("\nparameters (set with -p VEHICLE.NAME=VALUE):")
+        _table(rows)
 
 
 def _list_missions(as_json: bool) -> None:
@@ -110,21 +157,26 @@ def _mistake(error: UserError) -> str:
     return f"(has a mistake: {error.faults[0].message})"
 
 
-def _copy(path: Path) -> None:
-    target = known.own_folder() / path.name
-    if target.exists():
-        raise UserError("exists", f"'{target}' exists already", Where(str(target)))
-    begun = not target.parent.exists()
-    try:
-        target.parent.mkdir(exist_ok=True)
-        write_whole(target, path.read_bytes())
-    except OSError as error:
-        if begun:
-            with suppress(OSError):
-                target.parent.rmdir()
-        message = "the copy cannot be written"
-        raise cannot_write(error, "cannot-write", message, Where(str(target))) from None
-    click.echo(f"copied to {target}; `drone-cli run {path.stem}` now flies your copy")
+def _copy(files: Sequence[Path], folder: Path) -> None:
+    """Copy a mission's or a fleet's files, the one that is run first, from about ``folder``."""
+    own = known.own_folder()
+    targets = {path: own / path.relative_to(folder) for path in files}
+    for target in targets.values():
+        if target.exists():
+            raise UserError("exists", f"'{target}' exists already", Where(str(target)))
+    begun = not own.exists()
+    for path, target in targets.items():
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(target, path.read_bytes())
+        except OSError as error:
+            if begun:
+                with suppress(OSError):
+                    own.rmdir()
+            message = "the copy cannot be written"
+            raise cannot_write(error, "cannot-write", message, Where(str(target))) from None
+    first = files[0]
+    click.echo(f"copied to {targets[first]}; `drone-cli run {first.stem}` now flies your copy")
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:
@@ -137,8 +189,12 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
     }
 
 
-def described(parameter: Parameter) -> str:
-    """Type, default and help of a parameter, as people read them."""
+def described(parameter: Parameter, given: Mapping[str, Any] = _NOTHING) -> str:
+    """Type, default and help of a parameter, as people read them; ``given`` are the values that a
+    fleet gives.
+    """
+    if parameter.name in given:
+        parameter = replace(parameter, default=given[parameter.name], required=False)
     if parameter.required:
         default = "required"
     elif parameter.default is None:
@@ -340,6 +396,7 @@ def _world_facts(world: World) -> dict[str, Any]:
         "origin": asdict(world.origin) if world.origin else None,
         "battery": world.battery,
         "fence": _fence_facts(world.fence) if world.fence else None,
+        "wind": asdict(world.wind) if world.wind else None,
         "start": list(world.starts[0].at),
         "things": _contents(world),
         "places": {place: list(point) for place, point in world.places.items()},
@@ -364,6 +421,8 @@ def _describe_world(world: World) -> None:
         corners = ", ".join(f"[{x:g}, {y:g}]" for x, y in fence["through"])
         heights = (f"; {key} {fence[key]:g} m" for key in ("floor", "ceiling") if key in fence)
         click.echo(f"  fence    {corners}{''.join(heights)}")
+    if world.wind:
+        click.echo(f"  wind     {world.wind}")
     contents = _contents(world)
     if contents:
         click.echo("  contents:")

@@ -7,9 +7,8 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
 from io import TextIOBase
-from math import dist, inf, pi
+from math import dist, pi
 from operator import itemgetter
 from typing import NamedTuple, TextIO
 
@@ -17,11 +16,13 @@ from rich.console import Console
 from rich.text import Text
 
 from behaviors import Pilot
-from cli.narrator import Line, Narrator, clock, height_of
+from cli.narrator import Line, clock, height_of
 from cli.screen import Picture, Screen
 from cli.sketch import XY, Mark, Sketch
-from cli.state_tree import draw_tree, time_in_state
+from cli.state_tree import draw_tree
+from cli.vehicle_rows import Watched, battery_style, end_of, vehicle_rows, where
 from fsm.engine.instance import Record
+from runner.by_vehicle import ALONE
 from runner.course import one_line
 from vencejo.geometry import Point
 from worlds import World, outlines_of
@@ -51,22 +52,6 @@ CLOCK = 9
 _ARROWS = "→↗↑↖←↙↓↘"
 
 
-@dataclass
-class _Watched:
-    """One vehicle with what the view has noticed of it."""
-
-    pilot: Pilot
-    narrator: Narrator = field(default_factory=Narrator)
-    collisions: deque[XY] = field(default_factory=lambda: deque(maxlen=MAX_LINES))
-    """The places of its last collisions on the map."""
-    last: str = ""
-    """The state entered last."""
-    left_ground: bool = False
-    """Whether it was off the ground at any time."""
-    sampled: float = -inf
-    """When the last point of its path was taken."""
-
-
 class _Told(NamedTuple):
     """A line with its number among all."""
 
@@ -78,8 +63,8 @@ class _Told(NamedTuple):
 class LiveView:
     """The flight redrawn in place as long as it lasts; use it in a ``with``.
 
-    States and figures are those of the first vehicle; the map shows all, in the world frame as it
-    was when the run began.
+    Of one vehicle the tree of its states is shown, of several a row for each; the map shows all, in
+    the world frame as it was when the run began.
     """
 
     def __init__(
@@ -88,18 +73,25 @@ class LiveView:
         world: World | None,
         factor: float | None,
         wall: Callable[[], float] = time.monotonic,
+        *,
+        fleet: str = "",
+        vehicles: Sequence[str] = (ALONE,),
     ) -> None:
         """``world``: with its outlines on the map; None for none.
 
         ``factor``: the speed of the run, times real time; None for as fast as it can. ``wall``
-        gives the seconds of wall time.
+        gives the seconds of wall time. ``fleet`` and ``vehicles``: the names of several vehicles
+        and of what joins them.
         """
         self._console = console
         self._screen = Screen(console)
         self._world = world
         self._factor = factor
         self._wall = wall
-        self._watched: dict[str, _Watched] = {}
+        self._fleet = fleet or "fleet"
+        self._width = 0 if len(vehicles) == 1 else max(map(len, vehicles), default=0)
+        """Columns of the vehicles' names; 0 where there is one, which needs none."""
+        self._watched: dict[str, Watched] = {}
         self._sketch = Sketch()
         self._states: deque[_Told] = deque(maxlen=MAX_LINES)
         self._notes: deque[_Told] = deque(maxlen=MAX_LINES)
@@ -144,14 +136,14 @@ class LiveView:
             done = self._wall()
             self._next = max(now + REFRESH, done + (done - now) / SHARE)
 
-    def _begin(self, pilot: Pilot, now: float) -> _Watched:
+    def _begin(self, pilot: Pilot, now: float) -> Watched:
         """Begin to watch a vehicle; with the first one, set up the map."""
         if not self._watched:
             self._began = now, pilot.channel.now
             # A flight that is over before needs no screen of its own.
             self._next = now + REFRESH
             self._set_up(pilot)
-        watched = self._watched[pilot.vehicle.name] = _Watched(pilot)
+        watched = self._watched[pilot.vehicle.name] = Watched(pilot)
         self._sketch.include(_home(pilot))
         return watched
 
@@ -171,12 +163,16 @@ class LiveView:
                     for corner in outline:
                         self._sketch.include(corner)
 
-    def _tell(self, watched: _Watched, records: Sequence[Record]) -> None:
+    def _tell(self, watched: Watched, records: Sequence[Record]) -> None:
         for line in watched.narrator.tell(watched.pilot, records):
             watched.last = line.state or watched.last
             if line.kind == "collision":
                 here = _on_map(watched.pilot, watched.pilot.channel.world.position)
                 watched.collisions.append(here)
+            if self._width:
+                line = line._replace(
+                    text=f"{watched.pilot.vehicle.name:{self._width}}  {line.text}"
+                )
             self._keep(clock(watched.pilot.channel.now), line)
 
     def _keep(self, time: str, line: Line) -> None:
@@ -192,10 +188,14 @@ class LiveView:
 
     def picture(self, columns: int, rows: int) -> Picture:
         """This moment in so many rows, each at most ``columns`` wide."""
-        first = next(iter(self._watched.values()))
-        head = [*_flowed(self._figures(first.pilot), columns), _where(first, columns)]
+        watched = list(self._watched.values())
+        first = watched[0]
+        if self._width:
+            head = _flowed(self._figures_of_all(), columns)
+        else:
+            head = [*_flowed(self._figures(first.pilot), columns), where(first, columns)]
         # Afterwards the way to the end is of more interest than the states.
-        share = 3 if first.pilot.outcome else 5
+        share = 3 if all(each.pilot.outcome for each in watched) else 5
         told = max(3, min(10, (rows - len(head)) // share))
         rule = [Text("─" * columns, "dim")] if rows >= RULED else []
         body = rows - len(head) - len(rule) - told
@@ -206,23 +206,29 @@ class LiveView:
             line.truncate(columns, overflow="ellipsis")
         return Picture(lines[:rows])
 
-    def _beside(self, first: _Watched, columns: int, rows: int) -> list[Text]:
+    def _beside(self, first: Watched, columns: int, rows: int) -> list[Text]:
         """The states, and the map on their right."""
         left = min(60, columns * 2 // 5)
-        tree = _filled(draw_tree(first.pilot.instance, first.last, left, rows), rows)
+        tree = _filled(self._states_of(first, left, rows), rows)
         for line in tree:
             line.truncate(left, pad=True)
         map_ = self._map(first.pilot, columns - left - 2, rows)
         return [Text.assemble(a, "  ", b) for a, b in zip(tree, map_, strict=True)]
 
-    def _below(self, first: _Watched, columns: int, rows: int) -> list[Text]:
+    def _below(self, first: Watched, columns: int, rows: int) -> list[Text]:
         """The states, and the map below them where there is room."""
         half = rows if rows < 2 * MIN_MAP else rows - max(MIN_MAP, rows // 2)
-        tree = draw_tree(first.pilot.instance, first.last, columns, half)
+        tree = self._states_of(first, columns, half)
         rest = rows - len(tree)
         if rest < MIN_MAP:
             return _filled(tree, rows)
         return tree + self._map(first.pilot, columns, rest)
+
+    def _states_of(self, first: Watched, columns: int, rows: int) -> list[Text]:
+        """The tree of one vehicle's states, or a row for each of several vehicles."""
+        if self._width:
+            return vehicle_rows(list(self._watched.values()), self._width, columns, rows)
+        return draw_tree(first.pilot.instance, first.last, columns, rows)
 
     def _map(self, pilot: Pilot, columns: int, rows: int) -> list[Text]:
         time = pilot.channel.world.time
@@ -243,7 +249,7 @@ class LiveView:
                 yield Mark(place, "x", "bold red")
             seen = watched.pilot.channel.world
             arrow = _ARROWS[round(seen.yaw / (pi / 4)) % 8]
-            label = name if len(self._watched) > 1 else ""
+            label = name if self._width else ""
             yield Mark(_on_map(watched.pilot, seen.position), arrow, "bold magenta", label)
 
     def _last(self, columns: int, rows: int) -> list[Text]:
@@ -264,7 +270,7 @@ class LiveView:
         line = told.line
         text = one_line(line.text)
         if line.state:
-            text = text.replace(line.state, _end(line.state, max(8, columns // 2)), 1)
+            text = text.replace(line.state, end_of(line.state, max(8, columns // 2)), 1)
         style = "red" if line.kind == "collision" else ""
         wrapped = Text(text, style).wrap(self._console, max(10, columns - CLOCK))[:3]
         times = [told.time, *[""] * (len(wrapped) - 1)]
@@ -283,42 +289,22 @@ class LiveView:
             yield Text.assemble((f"link {seen.link}", "bold red"))
         yield Text(f"altitude {height_of(pilot):>6}")
         yield Text(f"speed {seen.velocity.norm():4.1f} m/s")
-        yield Text.assemble("battery ", (f"{seen.battery:4.0%}", _battery_style(seen.battery)))
+        yield Text.assemble("battery ", (f"{seen.battery:4.0%}", battery_style(seen.battery)))
         yield Text(self._pace(seen.time))
+
+    def _figures_of_all(self) -> Iterator[Text]:
+        seen = [each.pilot.channel.world for each in self._watched.values()]
+        now = max(each.time for each in seen)
+        yield Text.assemble((f" {self._fleet} ", "bold reverse"))
+        yield Text(clock(now))
+        yield Text(f"in the air {sum(each.flying for each in seen)} of {len(seen)}")
+        yield Text(self._pace(now))
 
     def _pace(self, now: float) -> str:
         wall, began = self._began
         passed = self._wall() - wall
         pace = (now - began) / passed if passed > 0.5 else self._factor
         return f"{pace:.3g} × real time" if pace else "as fast as it can"
-
-
-def _where(watched: _Watched, columns: int) -> Text:
-    """The active states and for how long; after the mission, how it ended."""
-    pilot, instance = watched.pilot, watched.pilot.instance
-    if pilot.outcome is not None:
-        why = f" ({one_line(pilot.reason)})" if pilot.reason else ""
-        if pilot.outcome != "done":
-            sign, style = "✘", "bold red"
-        elif watched.left_ground:
-            sign, style = "✔", "bold green"
-        else:
-            sign, style = "–", "bold yellow"
-            why += ", never left the ground"
-        landing = "" if pilot.finished else ", landing"
-        return Text(f"{sign} ended in '{pilot.outcome}'{why}{landing}", style)
-    leaves = [node for node in instance.active if not node.children]
-    room = columns // max(1, len(leaves)) - len("▶  1000.0 s")
-    states = [
-        f"{_end(node.path, max(8, room))} {time_in_state(instance, node):.1f} s" for node in leaves
-    ]
-    halted = " (standing still)" if instance.suspended_at is not None else ""
-    return Text(f"▶ {', '.join(states)}{halted}", "bold green")
-
-
-def _end(path: str, length: int) -> str:
-    """A path, or where it is longer the end of it: that says most."""
-    return path if len(path) <= length else f"…{path[1 - length :]}"
 
 
 def _flowed(cells: Iterable[Text], columns: int) -> list[Text]:
@@ -349,10 +335,6 @@ def _home(pilot: Pilot) -> XY:
 
 def _places(pilot: Pilot) -> dict[str, XY]:
     return {name: _on_map(pilot, place) for name, place in pilot.channel.frame.places.items()}
-
-
-def _battery_style(level: float) -> str:
-    return "green" if level > 0.3 else "yellow" if level > 0.15 else "bold red"
 
 
 class _Captured(TextIOBase):

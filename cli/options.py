@@ -18,6 +18,7 @@ from hal.renderers import renderer_names
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, YamlNode
 from vencejo.units import LENGTH, TIME, read_quantity
+from worlds.wind import read_wind
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -216,24 +217,46 @@ def as_used(file: Path) -> tuple[Scalar, Path]:
 def complete_parameter(
     ctx: click.Context, param: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """``name=`` of the parameters of the mission that the command line names."""
-    from fsm import read_mission
-    from fsm.faults import Faults
-    from runner.missions import find
-
+    """``name=`` of the parameters of the mission that the command line names; ``vehicle.name=`` of
+    a fleet.
+    """
     # Click leaves the arguments where they are while the value of an option is missing.
     mission = ctx.params.get("mission") or next(iter(ctx.args), "")
     try:
-        found = find(mission)
-        # The mission may have mistakes elsewhere.
-        parameters = read_mission(found.path, found.shown_as, Faults()).parameters
+        parameters = _parameters_of(mission)
     except UserError:
         return []
     return [
-        CompletionItem(f"{parameter.name.text}=", help=_told_of(parameter.node))
-        for parameter in parameters
-        if parameter.name.text.startswith(incomplete)
+        CompletionItem(f"{name}=", help=_told_of(node))
+        for name, node in parameters.items()
+        if name.startswith(incomplete)
     ]
+
+
+def _parameters_of(mission: str) -> dict[str, YamlNode]:
+    """The parameters of a mission, or of a fleet's vehicles, as they are declared. Raises UserError
+    where it cannot be read; it may have mistakes elsewhere.
+    """
+    from fsm import read_mission
+    from fsm.faults import Faults
+    from fsm.fleet import read_fleet
+    from fsm.language.reader import FLEET
+    from runner.missions import find
+
+    found = find(mission)
+    try:
+        spec = read_mission(found.path, found.shown_as, Faults())
+    except UserError as error:
+        if error.code != FLEET:
+            raise
+    else:
+        return {parameter.name.text: parameter.node for parameter in spec.parameters}
+    fleet, _ = read_fleet(found.path, found.shown_as)
+    return {
+        f"{member.name.text}.{parameter.name.text}": parameter.node
+        for member in fleet.members
+        for parameter in (member.spec.parameters if member.spec else ())
+    }
 
 
 def _told_of(node: YamlNode) -> str:
@@ -321,6 +344,22 @@ def noise_option(text: str) -> Callable[[F], F]:
     return click.option(
         "--noise", type=click.FloatRange(0, 10), default=0.0, show_default=True, help=text
     )
+
+
+def wind_option(text: str) -> Callable[[F], F]:
+    """The option ``--wind``, with its help."""
+    return click.option("--wind", callback=_wind, metavar="SPEED@FROM[,KEY=VALUE...]", help=text)
+
+
+def _wind(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Check a wind, and leave it as it is written: so the backend takes it."""
+    try:
+        if value is not None:
+            read_wind(value, "--wind")
+    except UserError as error:
+        lines = (f"{f.message}; {f.hint}" if f.hint else f.message for f in error.faults)
+        raise click.BadParameter("; ".join(lines), ctx=ctx, param=param) from None
+    return value
 
 
 def cameras(

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, cast
+from typing import IO, TYPE_CHECKING, cast
 
 import click
 from click.core import ParameterSource
@@ -28,6 +28,7 @@ from cli.options import (
     noise_option,
     renderer_option,
     shadows_option,
+    wind_option,
 )
 from cli.output import Output, echo_json
 from cli.signals import Interrupts
@@ -38,13 +39,15 @@ from hal import backend_names, flight_model
 from runner import missions
 from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
+from runner.by_vehicle import ALONE
 from runner.camera_file import joined, read_camera_file
-from runner.geometry import Terms, check_geometry
+from runner.fleets import PreparedFleet, check_ways, prepare_any, with_parameters
+from runner.geometry import Terms
 from runner.loop import Watcher, fly
+from runner.missions import Found
 from runner.pace import Pace
-from runner.plan import Plan
-from runner.posts import Post, parse_posts
-from runner.preparation import Prepared, prepare
+from runner.plan import Assignment, Fleet, Plan
+from runner.posts import parse_posts
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from vencejo.errors import Fault, OutputError, Stopped, UserError
@@ -79,7 +82,8 @@ if TYPE_CHECKING:
     callback=assignments,
     shell_complete=complete_parameter,
     metavar="NAME=VALUE",
-    help="Set a parameter of the mission, for instance -p altitude=3m. Repeatable.",
+    help="Set a parameter of the mission, for instance -p altitude=3m; of a fleet's vehicle: "
+    "-p cat.altitude=3m. Repeatable.",
 )
 @limit_option(
     "Limit the flight, for instance --limit max_altitude=2.5m (above home), or by a profile of the "
@@ -96,6 +100,10 @@ if TYPE_CHECKING:
     help="Times real time, or max. For the simulator.",
 )
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
+@wind_option(
+    "Let a wind blow in the simulator instead of the world's: speed and compass bearing it comes "
+    "from, such as 5m/s@270deg, or 3m/s@90deg,gusts=6m/s,turbulence=light; or none."
+)
 @click.option(
     "--camera",
     "wanted_cameras",
@@ -117,9 +125,9 @@ if TYPE_CHECKING:
     "--post",
     "posts",
     multiple=True,
-    metavar="TIME:EVENT",
+    metavar="TIME:[VEHICLE:]EVENT",
     help="Tell the mission an event that long after its start, for instance --post 6s:battery.low "
-    "or --post '6s:tag.seen{id: 3}'. Repeatable.",
+    "or --post '6s:tag.seen{id: 3}'; of a fleet --post 6s:cat:battery.low tells one. Repeatable.",
 )
 @click.option(
     "--runs-dir",
@@ -155,6 +163,7 @@ def run(
     seed: int,
     speed: float | None,
     noise: float,
+    wind: str | None,
     wanted_cameras: dict[str, dict[str, int | float] | None],
     camera_file: Path | None,
     renderer: str,
@@ -166,12 +175,12 @@ def run(
     call_limit: float | None,
     as_json: bool,
 ) -> None:
-    """Fly MISSION: a file, or the name of one in ./missions or of a shipped one.
+    """Fly MISSION, or a fleet: a file, or the name of one in ./missions or of a shipped one.
 
-    Exit code: 0 the mission ended in `done`, 1 in another outcome, 2 it or its arguments are
-    wrong, 3 the vehicle failed, 4 it flew and landed, but record or output could not be written,
-    130 interrupted (and landed). Ctrl-C once asks the mission to stop, twice lands at once, thrice
-    stops the program.
+    Exit code: 0 the mission ended in `done`, or what a fleet flies `until` came true, 1 in another
+    outcome, 2 it or its arguments are wrong, 3 the vehicle failed, 4 it flew and landed, but record
+    or output could not be written, 130 interrupted (and landed). Ctrl-C once asks the mission to
+    stop, twice lands at once, thrice stops the program.
     """
     if again is not None:
         _refuse_settings_beside_again(context)
@@ -184,26 +193,36 @@ def run(
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
                 "noise": noise,
+                "wind": wind,
                 "cameras": joined(in_file, wanted_cameras),
                 "renderer": renderer,
                 "shadows": shadows,
             }
         with user_code(call_limit) as limit:
-            prepared = prepare(missions.find(mission), world, calls=limit.calls)
-            values, told = _values_of(prepared, parameters, posts)
-            _warn_of_ways(prepared, values, backend, limit_settings, limit.calls)
-        plan = replace(
-            Plan.alone(prepared, values, backend=backend, seed=seed, settings=own),
-            posts=told,
-            address=connect,
-            profile=limit_settings.profile,
-            limits=limit_settings.limits,
-            camera_file=camera_file,
-        )
+            doubtful: list[Fault] = []
+            found = missions.find(mission)
+            assignments, fleet = _assignments(found, world, parameters, limit.calls, doubtful)
+            flown = {name: each for name, each in assignments.items() if not each.stands}
+            graphs = {name: each.prepared.graph for name, each in flown.items()}
+            plan = Plan(
+                assignments,
+                backend=backend,
+                seed=seed,
+                settings=own,
+                address=connect,
+                profile=limit_settings.profile,
+                limits=limit_settings.limits,
+                camera_file=camera_file,
+                posts=parse_posts(graphs, posts, doubtful),
+                fleet=fleet,
+            )
+            for fault in doubtful:
+                click.echo(str(fault), err=True)
+            _warn_of_ways(plan, limit_settings, limit.calls)
 
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-        folder = new_folder(runs_dir, stamp, plan.mission_name)
+        folder = new_folder(runs_dir, stamp, plan.name)
         return Recorder(folder, frames=not no_frames)
 
     how = _Shown(None if as_json else context.obj, picture=not no_picture)
@@ -235,29 +254,31 @@ def _plan_again(folder: Path) -> tuple[Plan, float | None]:
         return recorded.plan(limit.calls), call_limit
 
 
-def _values_of(
-    prepared: Prepared, parameters: Mapping[str, str], posts: Sequence[str]
-) -> tuple[dict[str, Any], tuple[Post, ...]]:
-    """The values of a mission's parameters, and the events it is told; all warnings are shown."""
-    doubtful: list[Fault] = []
-    values = parse_parameters(prepared.graph, parameters, doubtful)
-    told = parse_posts(prepared.graph, posts, doubtful)
-    for fault in (*prepared.graph.warnings, *doubtful):
-        click.echo(str(fault), err=True)
-    return values, told
-
-
-def _warn_of_ways(
-    prepared: Prepared,
-    values: Mapping[str, Any],
-    backend: str,
-    limit_settings: LimitSettings,
+def _assignments(
+    found: Found,
+    world: str | None,
+    parameters: Mapping[str, str],
     calls: Calls,
-) -> None:
-    """Show what the possible ways of a mission meet in its world."""
-    model = flight_model(backend)
+    doubtful: list[Fault],
+) -> tuple[Mapping[str, Assignment], Fleet | None]:
+    """What each vehicle flies, and what joins those of a fleet; all warnings are added to
+    ``doubtful``.
+    """
+    prepared = prepare_any(found, world, calls=calls)
+    if isinstance(prepared, PreparedFleet):
+        prepared.require()
+        doubtful.extend(prepared.faults)
+        return with_parameters(prepared.assignments, parameters, doubtful), prepared.fleet
+    doubtful.extend(prepared.graph.warnings)
+    values = parse_parameters(prepared.graph, parameters, doubtful)
+    return {ALONE: Assignment(prepared, values)}, None
+
+
+def _warn_of_ways(plan: Plan, limit_settings: LimitSettings, calls: Calls) -> None:
+    """Show what the possible ways of missions meet in their world."""
+    model = flight_model(plan.backend)
     terms = Terms(model, limit_settings.on(model))
-    for fault in check_geometry(prepared.graph, prepared.world, terms, values, calls).faults:
+    for fault in check_ways(plan.assignments, terms, calls).faults:
         click.echo(str(fault), err=True)
 
 
@@ -317,7 +338,8 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
             click.echo(summary.unrecorded, err=True)
         for post in summary.header.settings.post if summary.header.settings else ():
             if post.time > summary.mission_time:
-                late = f"--post {post.time:g}s:{post.event}: the flight was over before"
+                to = f"{post.to}:" if post.to else ""
+                late = f"--post {post.time:g}s:{to}{post.event}: the flight was over before"
                 click.echo(late, err=True)
         no_room = how.picture and _draw(folder)
         fields = summary_fields(summary, folder)
@@ -348,12 +370,15 @@ def _watchers(
     if not (drawable and out.unicode):
         from cli.view import PlainView
 
-        return [PlainView(out, colored=_is_colored(console)), _Reader(out, stops)]
+        view = PlainView(out, list(plan.assignments), colored=_is_colored(console))
+        return [view, _Reader(out, stops)]
     from cli.live_view import LiveView
 
     # Elsewhere the world's things do not stand where its file says.
     world = plan.world if plan.backend == "sim" else None
-    return [stack.enter_context(LiveView(console, world, speed)), _Reader(out, stops)]
+    fleet, vehicles = plan.fleet.name if plan.fleet else "", list(plan.assignments)
+    live = LiveView(console, world, speed, fleet=fleet, vehicles=vehicles)
+    return [stack.enter_context(live), _Reader(out, stops)]
 
 
 def _console(out: Output) -> Console:

@@ -7,7 +7,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from fsm import Graph
-from runner.trial_flights import Clearance, TrialFlight
+from runner.by_vehicle import ALONE
+from runner.plan import Plan
+from runner.separation import Nearest
+from runner.trial_flights import Clearance, Trial, TrialFlight
 
 
 def never_reached(graph: Graph, flights: Sequence[TrialFlight]) -> list[str]:
@@ -24,6 +27,54 @@ def least_clearances(flights: Sequence[TrialFlight]) -> dict[str, Clearance]:
         for state, clearance in flight.clearances.items():
             found[state] = min(clearance, found.get(state, clearance))
     return found
+
+
+def trials_fields(plan: Plan, trials: Sequence[Trial]) -> dict[str, Any]:
+    """What `check --fly --json` says of trial flights; of a fleet by vehicle."""
+    by_vehicle = {
+        name: trial_fields(plan.assignments[name].prepared.graph, flights)
+        for name, flights in _flights(trials).items()
+    }
+    if plan.fleet is None:
+        return by_vehicle[ALONE]
+    nearest = _nearest(trials)
+    apart = (
+        {
+            "vehicles": list(nearest[1].vehicles),
+            "distance_m": round(nearest[1].distance, 3),
+            "seed": nearest[0],
+        }
+        if nearest
+        else None
+    )
+    return {"vehicles": by_vehicle, "nearest": apart}
+
+
+def trials_lines(plan: Plan, trials: Sequence[Trial]) -> Iterator[str]:
+    """What was measured of trial flights, for people; of a fleet by vehicle."""
+    for name, flights in _flights(trials).items():
+        if plan.fleet is not None:
+            yield name
+        yield from trial_lines(plan.assignments[name].prepared.graph, flights)
+    nearest = _nearest(trials)
+    if nearest is not None:
+        seed, (pair, distance, _) = nearest
+        yield f"nearest       {' and '.join(pair)}: {distance:.2f} m (seed {seed})"
+
+
+def _flights(trials: Sequence[Trial]) -> dict[str, list[TrialFlight]]:
+    """The flights of each vehicle."""
+    found: dict[str, list[TrialFlight]] = {}
+    for trial in trials:
+        for flight in trial.flights:
+            found.setdefault(flight.vehicle, []).append(flight)
+    return found
+
+
+def _nearest(trials: Sequence[Trial]) -> tuple[int, Nearest] | None:
+    """The two vehicles that came nearest to each other, and the seed of that flight."""
+    found = [(trial.seed, pair) for trial in trials for pair in trial.separation]
+    return min(found, key=lambda each: each[1].distance, default=None)
 
 
 def trial_fields(graph: Graph, flights: Sequence[TrialFlight]) -> dict[str, Any]:

@@ -13,20 +13,28 @@ from cli.narrator import Line, Narrator, behavior_of, clock, height_of
 from cli.output import Output
 from fsm.engine.instance import Record
 from fsm.values.functions import as_text
+from runner.by_vehicle import ALONE
 
 
 class PlainView:
     """One line for every state entered, with its cause, and for everything noteworthy."""
 
-    def __init__(self, out: Output, *, colored: bool = False) -> None:
+    def __init__(
+        self, out: Output, vehicles: Sequence[str] = (ALONE,), *, colored: bool = False
+    ) -> None:
+        """``vehicles``: the names of all; of several each line has that of its own."""
         self._out = out
         self._colored = colored
+        width = max(map(len, vehicles), default=0)
+        alone = len(vehicles) == 1
+        self._names = {name: "" if alone else f"{name:{width}}  " for name in vehicles}
         self._narrators: defaultdict[str, Narrator] = defaultdict(Narrator)
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         """Show a period (see :class:`runner.loop.Watcher`)."""
         for line in self._narrators[pilot.vehicle.name].tell(pilot, records):
-            text = f"{clock(pilot.channel.now):>8}  {_told(line, pilot)}"
+            name = self._names[pilot.vehicle.name]
+            text = f"{clock(pilot.channel.now):>8}  {name}{_told(line, pilot)}"
             if line.kind == "collision" and self._colored:
                 text = click.style(text, fg="red")
             print(text, file=self._out, flush=True)
@@ -43,23 +51,76 @@ def _told(line: Line, pilot: Pilot) -> str:
 
 def show_summary(summary: Mapping[str, Any], *, colored: bool = False) -> None:
     """Print the end of a run for a person; the run folder comes last."""
-    good = "✘" if not summary["success"] else "✔" if summary["left_ground"] else "–"
-    stayed = "" if summary["left_ground"] else ", never left the ground"
-    reason = f" — {summary['reason']}" if summary["reason"] else ""
-    lines = [
-        f"{good} {summary['mission']} ended in '{summary['outcome']}'{stayed}{reason}",
-        f"  {summary['mission_time_s']:.1f} s flown in {_rounded(summary['wall_time_s'])} s"
-        f" ({_rounded(summary['realtime_factor'])} × real time), {summary['distance_m']:.1f} m,"
-        f" up to {summary['max_altitude_m']:.1f} m, battery {summary['battery_left']:.0%}",
-    ]
-    if summary["collisions"]:
-        collided = f"  collided with {_counted(summary['collisions'])}"
-        lines.append(click.style(collided, fg="red") if colored else collided)
-    if summary["output"]:
-        lines.append(f"  output: {as_text(summary['output'])}")
+    pace = (
+        f"{summary['mission_time_s']:.1f} s flown in {_rounded(summary['wall_time_s'])} s"
+        f" ({_rounded(summary['realtime_factor'])} × real time)"
+    )
+    if "vehicles" in summary:
+        until = summary["settings"].get("until", "") if summary.get("ended_by_until") else ""
+        lines = _of_fleet(summary, pace, until)
+        for name, flown in summary["vehicles"].items():
+            lines += _of_vehicle(flown, name, until, colored)
+    else:
+        sign, end = _end(summary, success=summary["success"])
+        lines = [f"{sign} {summary['mission']} {end}", f"  {pace}, {_figures(summary)}"]
+        lines += _details(summary, colored)
     if summary["run_folder"]:
         lines.append(f"run folder: {summary['run_folder']}")
     click.echo("\n".join(lines), color=colored)
+
+
+def _of_fleet(summary: Mapping[str, Any], pace: str, until: str) -> list[str]:
+    """The lines on all vehicles together; ``until``: the condition that ended their flight."""
+    name = summary.get("fleet") or "the vehicles"
+    ended = f"ended: until {until}" if until else "ended"
+    lines = [f"{'✔' if summary['success'] else '✘'} {name} {ended}", f"  {pace}"]
+    nearest = min(summary.get("separation", ()), key=_distance, default=None)
+    if nearest is not None:
+        pair, moment = " and ".join(nearest["vehicles"]), clock(nearest["t"])
+        lines.append(f"  nearest: {pair}, {nearest['distance_m']:.2f} m at {moment}")
+    return lines
+
+
+def _distance(pair: Mapping[str, Any]) -> float:
+    distance: float = pair["distance_m"]
+    return distance
+
+
+def _of_vehicle(flown: Mapping[str, Any], name: str, until: str, colored: bool) -> list[str]:
+    """The lines on one vehicle of several; why all of them have ended is not said again."""
+    if flown["reason"] == f"until {until}":
+        flown = {**flown, "reason": None}
+    if flown["mission"] is None:
+        return [f"  – {name} stood" if not flown["left_ground"] else f"  – {name}"]
+    sign, end = _end(flown, success=flown["outcome"] == "done")
+    lines = [f"{sign} {name} ({flown['mission']}) {end}", f"  {_figures(flown)}"]
+    return [f"  {line}" for line in (*lines, *_details(flown, colored))]
+
+
+def _end(flown: Mapping[str, Any], *, success: bool) -> tuple[str, str]:
+    """A sign for how a vehicle's flight ended, and the end in words."""
+    sign = "✘" if not success else "✔" if flown["left_ground"] else "–"
+    stayed = "" if flown["left_ground"] else ", never left the ground"
+    reason = f" — {flown['reason']}" if flown["reason"] else ""
+    return sign, f"ended in '{flown['outcome']}'{stayed}{reason}"
+
+
+def _figures(flown: Mapping[str, Any]) -> str:
+    return (
+        f"{flown['distance_m']:.1f} m, up to {flown['max_altitude_m']:.1f} m, "
+        f"battery {flown['battery_left']:.0%}"
+    )
+
+
+def _details(flown: Mapping[str, Any], colored: bool) -> list[str]:
+    """Lines on what is not the same in every flight."""
+    lines = []
+    if flown["collisions"]:
+        collided = f"  collided with {_counted(flown['collisions'])}"
+        lines.append(click.style(collided, fg="red") if colored else collided)
+    if flown["output"]:
+        lines.append(f"  output: {as_text(flown['output'])}")
+    return lines
 
 
 def _rounded(number: float) -> str:

@@ -123,7 +123,7 @@ def _parameters() -> Schema:
 
 
 def _fleet() -> Schema:
-    vehicle = closed(_described(AT["vehicle"], {})) | {"required": ["mission"]}
+    vehicle = closed(_described(AT["vehicle"], {}))
     vehicles = map_of(whole(SMALL_NAME), vehicle) | {"minProperties": 1}
     return {**closed(_described(AT["fleet"], {"vehicles": vehicles})), "required": ["vehicles"]}
 

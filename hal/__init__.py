@@ -26,6 +26,7 @@ from hal.vehicle import (
     Unavailable,
     Vehicle,
     VehicleEvent,
+    VehicleSpec,
     Velocity,
     VisionPose,
 )
@@ -57,6 +58,7 @@ __all__ = [
     "Unavailable",
     "Vehicle",
     "VehicleEvent",
+    "VehicleSpec",
     "Velocity",
     "VisionPose",
     "backend_capabilities",

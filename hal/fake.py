@@ -7,7 +7,7 @@ origin jumps. Everything a test may want to go wrong is an attribute of :class:`
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import hypot, inf, tan
 from types import MappingProxyType
 from typing import Any
@@ -93,6 +93,8 @@ class FakeVehicle(BaseVehicle):
         self.authority_reason = ""
         self.wind = _STILL
         """Velocity that the wind adds to the vehicle's, world frame, m/s."""
+        self.estimated_wind: Point | None = None
+        """The wind that it observes, world frame, m/s; None where it cannot."""
         self.stuck = False
         """True to let it stay in its place whatever it is commanded."""
         self.unstable_on: list[str] = []
@@ -304,6 +306,7 @@ class FakeVehicle(BaseVehicle):
             epoch=self._epoch,
             origin_shift=self._shift,
             events=events,
+            wind=self.estimated_wind,
         )
 
     def _moved(self, step: float) -> Point:
@@ -394,7 +397,7 @@ class FakeSession(BaseSession[FakeVehicle]):
 
     def __init__(
         self,
-        names: tuple[str, ...] = ("drone",),
+        names: Iterable[str] = ("drone",),
         places: Mapping[str, Point] | None = None,
         options: Options | None = None,
     ) -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from math import isfinite, tan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-from hal.lights import Lights
+from hal.lights import Lights, Rgb
 from hal.limits import Limits
 from hal.orders import Order
 from vencejo.geometry import Point, Quaternion
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     # Only images need it, and it takes longer to import than all of our packages.
     import numpy as np
     from numpy.typing import NDArray
+
+    from worlds.world import Start
 
 PERIODS_PER_SECOND = 40
 PERIOD = 1 / PERIODS_PER_SECOND
@@ -94,6 +96,9 @@ class Observation(NamedTuple):
     events: tuple[VehicleEvent, ...] = ()
     """The events of this period, for instance ``vehicle.collision`` for each thing that it begins
     to touch, except the one that it stands or comes down on."""
+    wind: Point | None = None
+    """The wind where it is, as the vehicle estimates it: the velocity of the air, world frame, m/s;
+    None without the capability ``wind``."""
 
 
 class Velocity(NamedTuple):
@@ -405,10 +410,23 @@ class Session(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class VehicleSpec:
+    """One vehicle of a session, as it is asked for; a real vehicle has all but its name already."""
+
+    name: str
+    model: str | None = None
+    """The name of its model; None for the backend's default."""
+    start: Start | None = None
+    """Its place and heading when the run begins, world frame; None for a start of the world."""
+    color: Rgb | None = None
+    """The colour of its hull in pictures; None for one that its name decides."""
+
+
+@dataclass(frozen=True, slots=True)
 class Options:
     """The options with which a backend is opened."""
 
-    vehicles: tuple[str, ...] = ("drone",)
+    vehicles: tuple[VehicleSpec, ...] = (VehicleSpec("drone"),)
     world: str | None = None
     """Name or path of a world file; None for the backend's default."""
     seed: int = 0

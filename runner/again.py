@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from behaviors import Calls
+from fsm.faults import Faults
+from fsm.fleet import compile_until
+from runner.fleets import standing
 from runner.kept_files import file_hash
 from runner.missions import Found
-from runner.plan import Assignment, Plan
+from runner.plan import Assignment, Fleet, Plan
 from runner.preparation import prepare
 from runner.run_folder import EVENTS, Header, read_header
-from runner.settings import RunSettings
+from runner.settings import MissionSettings, RunSettings
 from vencejo.errors import Fault, UserError, Where
 from vencejo.version import __version__
+from worlds import find_world
 
 
 @dataclass(frozen=True)
@@ -45,12 +49,10 @@ class Recorded:
         """The plan of that run. Runs the folder's Python files, as ``calls``. Raises UserError."""
         settings, folder = self.settings, self.folder
         world = str(folder / settings.world)
-        assignments = {}
-        for vehicle, mission in settings.missions.items():
-            path = folder / mission.file
-            prepared = prepare(Found(path, str(path)), world, calls=calls)
-            _require_same_parameters(set(prepared.graph.parameters), set(mission.parameters), path)
-            assignments[vehicle] = Assignment(prepared, mission.parameters)
+        assignments = {
+            vehicle: self._assignment(mission, world, calls)
+            for vehicle, mission in settings.missions.items()
+        }
         plan = Plan(
             assignments,
             settings.backend,
@@ -61,11 +63,39 @@ class Recorded:
             settings.limits,
             folder / settings.camera_file if settings.camera_file else None,
             settings.post,
+            self._fleet(assignments),
         )
         if plan.world.sha256 != self.header.world_sha256:
             where = Where(world)
             raise _change("a file that this world names is not as it was flown", where)
         return plan
+
+    def _assignment(self, mission: MissionSettings, world: str, calls: Calls) -> Assignment:
+        if mission.file:
+            path = self.folder / mission.file
+            peers = self.settings.missions if self.settings.fleet else None
+            prepared = prepare(Found(path, str(path)), world, calls=calls, peers=peers)
+            known = set(prepared.graph.parameters)
+            _require_same_parameters(known, set(mission.parameters), path)
+        else:
+            prepared = standing(find_world(world), world)
+        return Assignment(
+            prepared,
+            mission.parameters,
+            stands=not mission.file,
+            model=mission.model,
+            start=mission.start,
+            color=mission.color,
+        )
+
+    def _fleet(self, assignments: Mapping[str, Assignment]) -> Fleet | None:
+        name, file, text = self.settings.fleet, self.settings.fleet_file, self.settings.until
+        if not name:
+            return None
+        graphs = {vehicle: each.prepared.graph for vehicle, each in assignments.items()}
+        where = Where(str(self.folder / EVENTS), 1, 1)
+        until = compile_until(text, where, graphs, Faults()) if text else None
+        return Fleet(name, until, self.folder / file if file else None)
 
     def doubt(self) -> Fault | None:
         """A warning where another release is at work than flew this run."""

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 ALONE = "drone"
 """The name of a vehicle that flies alone: the fields of its run need not name it."""
 
 
+def are_alone(vehicles: Collection[str]) -> bool:
+    """Whether these are all vehicles of a run of one that flies alone."""
+    return list(vehicles) == [ALONE]
+
+
 def joined(
     vehicles: Mapping[str, Mapping[str, Any]], run: Mapping[str, Any], order: Sequence[str]
 ) -> dict[str, Any]:
     """The fields of a run and its vehicles; those of one that flies alone stand among the run's."""
-    fields = {**(vehicles[ALONE] if list(vehicles) == [ALONE] else {"vehicles": vehicles}), **run}
+    fields = {**(vehicles[ALONE] if are_alone(vehicles) else {"vehicles": vehicles}), **run}
     return {name: fields[name] for name in order if name in fields}
 
 

@@ -24,7 +24,7 @@ from vencejo.errors import Fault, Where
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar
-from worlds import World
+from worlds import Start, World
 from worlds.fence import leaves
 from worlds.obstacles import Near, Obstacles
 
@@ -74,13 +74,14 @@ def check_geometry(
     terms: Terms,
     parameters: Mapping[str, Any] | None = None,
     calls: Calls | None = None,
+    start: Start | None = None,
 ) -> Findings:
-    """Look at where a mission may fly, from the first start of a world.
+    """Look at where a mission may fly, from a start; without one from the first of the world.
 
     ``parameters`` are those that differ from their defaults; ``calls`` run the plans of a person's
     behaviours. The work is bounded, whatever the mission and its world.
     """
-    start, obstacles = world.starts[0], Obstacles(world)
+    start, obstacles = start or world.starts[0], Obstacles(world)
     origin = world.origin
     geographic = (origin.lat, origin.lon, origin.alt) if origin else None
     frame = MissionFrame(start.at, world.places, geographic)

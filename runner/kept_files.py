@@ -13,6 +13,7 @@ from itertools import count
 from pathlib import Path, PurePosixPath
 
 from runner.plan import Plan
+from runner.preparation import Prepared
 from runner.run_folder import OWN_NAMES
 from worlds import World
 
@@ -26,9 +27,11 @@ class KeptFiles:
 
     contents: Mapping[str, bytes]
     missions: Mapping[str, str]
-    """Vehicle → its mission's own file."""
+    """Vehicle → its mission's own file; nothing for one without a mission."""
     world: str
     camera_file: str | None
+    fleet: str = ""
+    """The fleet's own file; empty for none."""
 
     def hashes(self) -> dict[str, str]:
         """SHA-256 of each, hexadecimal."""
@@ -47,20 +50,45 @@ def kept_files(plan: Plan) -> KeptFiles:
     folder of its own, with all that it names.
     """
     contents: dict[str, bytes] = {}
-    missions: dict[str, str] = {}
-    files: dict[tuple[Path, ...], str] = {}
-    for vehicle, assignment in plan.assignments.items():
-        prepared = assignment.prepared
-        if prepared.files not in files:
-            copies = _copies(prepared.files, prepared.found.path.parent)
-            files[prepared.files] = _add(contents, copies, vehicle)
-        missions[vehicle] = files[prepared.files]
+    flown = {name: each.prepared for name, each in plan.assignments.items() if not each.stands}
+    fleet = plan.fleet.file if plan.fleet else None
+    if fleet is None:
+        kept, missions = "", _keep_missions(flown, contents)
+    else:
+        kept, missions = _keep_fleet(fleet.resolve(), flown, contents)
     world = _add(contents, _world_copies(plan.world), "world")
     camera_file = None
     if plan.camera_file is not None:
         copies = _copies([plan.camera_file], plan.camera_file.parent)
         camera_file = _add(contents, copies, "cameras")
-    return KeptFiles(contents, missions, world, camera_file)
+    return KeptFiles(contents, missions, world, camera_file, kept)
+
+
+def _keep_missions(flown: Mapping[str, Prepared], contents: dict[str, bytes]) -> dict[str, str]:
+    """Add the files of missions to ``contents``; each vehicle's mission among them."""
+    missions: dict[str, str] = {}
+    files: dict[tuple[Path, ...], str] = {}
+    for vehicle, prepared in flown.items():
+        if prepared.files not in files:
+            copies = _copies(prepared.files, prepared.found.path.parent)
+            files[prepared.files] = _add(contents, copies, vehicle)
+        missions[vehicle] = files[prepared.files]
+    return missions
+
+
+def _keep_fleet(
+    fleet: Path, flown: Mapping[str, Prepared], contents: dict[str, bytes]
+) -> tuple[str, dict[str, str]]:
+    """Add a fleet's file, and the missions that lie beside it, at their places about each other;
+    the fleet's file, and each vehicle's mission among them.
+    """
+    own = [file.resolve() for prepared in flown.values() for file in prepared.files]
+    paths = list(dict.fromkeys((fleet, *own)))
+    copies = _copies(paths, fleet.parent)
+    first = _add(contents, copies, "fleet")
+    prefix = first.removesuffix(next(iter(copies)))
+    kept = {path: prefix + name for path, name in zip(paths, copies, strict=True)}
+    return first, {vehicle: kept[each.files[0].resolve()] for vehicle, each in flown.items()}
 
 
 def _world_copies(world: World) -> dict[str, bytes]:

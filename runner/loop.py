@@ -12,12 +12,15 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import PurePosixPath
 from platform import python_version
+from types import SimpleNamespace
 from typing import Protocol
 
-from behaviors import Calls, MissionFrame, Pilot
+from behaviors import Calls, Exchange, MissionFrame, Pilot
 from behaviors.host_functions import set_limits
+from behaviors.vocabulary import VehicleView
 from fsm.engine.instance import Record
-from fsm.values.functions import EvaluationError
+from fsm.fleet import Until
+from fsm.values.functions import FAILURES, EvaluationError, plain
 from hal import Options, Session, open_backend
 from hal.vehicle import PERIODS_PER_SECOND
 from runner.call_limit import CallLimit
@@ -29,6 +32,7 @@ from runner.posts import Post
 from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
 from runner.run_folder import LAST_ENTERED, Flown, Header, MissionFacts, Summary
+from runner.separation import Separation
 from runner.settings import MissionSettings, RunSettings
 from vencejo.errors import UserError, VehicleError, Where
 from vencejo.geometry import Point, distance
@@ -180,6 +184,52 @@ class _Never:
     count: int = 0
 
 
+class _Together:
+    """What concerns the vehicles of a fleet together: messages, distances, and their common end."""
+
+    def __init__(self, crafts: Sequence[_Craft], until: Until | None) -> None:
+        pilots = [craft.pilot for craft in crafts]
+        self._channels = [pilot.channel for pilot in pilots]
+        self._exchange = Exchange(pilots)
+        self._until = until
+        self._is_broken = False
+        """Whether the condition had no value in the last period."""
+        self._waits = until is not None and all(craft.pilot.stands for craft in crafts)
+        self.separation = Separation([pilot.vehicle.name for pilot in pilots])
+        self.is_over = False
+        """Whether the condition that ends their flight came true."""
+
+    def period(self, aloft: Sequence[_Craft]) -> None:
+        """After all have flown a period: carry messages, measure, and end what is to end."""
+        self._exchange.deliver()
+        seen = [channel.world for channel in self._channels]
+        time = aloft[0].pilot.channel.now
+        self.separation.update(time, [s.position for s in seen], [s.flying for s in seen])
+        if self._until is not None and not self.is_over and self._holds(self._until, time, aloft):
+            self.is_over = True
+            for craft in aloft:
+                craft.pilot.land_now(f"until {self._until.text}", "done")
+        elif not self._waits and all(craft.pilot.stands for craft in aloft):
+            for craft in aloft:
+                craft.pilot.land_now("", "done")
+
+    def _holds(self, until: Until, time: float, aloft: Sequence[_Craft]) -> bool:
+        vehicles = [
+            SimpleNamespace(vehicle=VehicleView(channel.world, channel.frame.origin.z))
+            for channel in self._channels
+        ]
+        try:
+            holds = until.holds(time, vehicles)
+        except FAILURES as error:
+            if not self._is_broken:
+                where = str(until.condition.where)
+                aloft[0].pilot.instance.record("error", message=plain(error), where=where)
+            self._is_broken = True
+            return False
+        self._is_broken = False
+        return holds
+
+
 @dataclass
 class _Flying:
     """A flight under way: all vehicles in lockstep, one mission period after the other."""
@@ -191,6 +241,8 @@ class _Flying:
     pace: Pace
     stops: Stops
     limit: CallLimit
+    together: _Together | None = None
+    """None for a vehicle that flies alone."""
     answered: int = 0
     """The number of requests to stop that have been carried out."""
 
@@ -214,6 +266,8 @@ class _Flying:
                 craft.period(dt)
                 if craft.has_defect:
                     self._undo_changes()
+            if self.together is not None:
+                self.together.period(self.aloft)
             self._show()
             if log.failure:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
@@ -283,7 +337,7 @@ def fly(
     """
     limit = limit or CallLimit(None)
     options = Options(
-        vehicles=tuple(plan.assignments),
+        vehicles=plan.vehicles,
         world=plan.world_word,
         seed=plan.seed,
         address=plan.address,
@@ -298,16 +352,25 @@ def fly(
         log = _Log(record() if record else None)
         stack.callback(log.close)
         log.begin(header, files, crafts)
+        until = plan.fleet.until if plan.fleet else None
+        together = _Together(crafts, until) if plan.fleet or len(crafts) > 1 else None
         flying = _Flying(
-            session, crafts, log, watchers, pace or Pace(None), stops or _Never(), limit
+            session, crafts, log, watchers, pace or Pace(None), stops or _Never(), limit, together
         )
         began = time.perf_counter()
 
         def summary() -> Summary:
             log.close()
-            wall_time = time.perf_counter() - began
-            flown = {craft.pilot.vehicle.name: craft.flown() for craft in crafts}
-            return Summary(header, flown, wall_time, flying.answered > 0, known, log.failure)
+            return Summary(
+                header,
+                {craft.pilot.vehicle.name: craft.flown() for craft in crafts},
+                wall_time=time.perf_counter() - began,
+                interrupted=flying.answered > 0,
+                versions=known,
+                unrecorded=log.failure,
+                ended_by_until=together is not None and together.is_over,
+                separation=together.separation.nearest() if together else (),
+            )
 
         def land(reason: str) -> Summary:
             flying.abandon(reason)
@@ -330,7 +393,9 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
         set_limits(pilot.channel, plan.profile, **plan.limits.given())
     except EvaluationError as error:
         raise UserError("bad-limit", f"'{name}': {error}", Where("--limit")) from None
-    return _Craft(pilot, seen.time - dt, posts=deque(plan.posts))
+    pilot.stands = assignment.stands
+    told = () if pilot.stands else (post for post in plan.posts if post.to in ("", name))
+    return _Craft(pilot, seen.time - dt, posts=deque(told))
 
 
 def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) -> Header:
@@ -340,8 +405,11 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
     return Header(
         missions={
             name: _facts(flown, PurePosixPath(files.missions[name]), hashes)
+            if name in files.missions
+            else MissionFacts("", "", {})
             for name, flown in plan.assignments.items()
         },
+        fleet=plan.fleet.name if plan.fleet else "",
         world=plan.world.name,
         world_sha256=plan.world.sha256,
         seed=plan.seed,
@@ -350,7 +418,13 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
         vencejo=__version__,
         settings=RunSettings(
             missions={
-                name: MissionSettings(files.missions[name], flown.all_parameters)
+                name: MissionSettings(
+                    files.missions.get(name, ""),
+                    flown.all_parameters,
+                    flown.model,
+                    flown.start,
+                    flown.color,
+                )
                 for name, flown in plan.assignments.items()
             },
             world=files.world,
@@ -363,6 +437,9 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
             call_limit=limit.seconds,
             camera_file=files.camera_file,
             post=plan.posts,
+            fleet=plan.fleet.name if plan.fleet else "",
+            fleet_file=files.fleet,
+            until=plan.fleet.until.text if plan.fleet and plan.fleet.until else "",
             own={**session.settings, **unlisted},
         ),
     )

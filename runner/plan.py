@@ -7,26 +7,57 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from hal import Limits
+from fsm.fleet import Until
+from hal import Limits, VehicleSpec
+from hal.lights import Rgb
 from runner.by_vehicle import ALONE
 from runner.posts import Post
 from runner.preparation import Prepared
-from worlds import World
+from worlds import Start, World
+from worlds.starts import starts_for
 
 
 @dataclass(frozen=True)
 class Assignment:
-    """The mission of one vehicle, with its parameters."""
+    """The mission of one vehicle with its parameters, and what is asked of the vehicle."""
 
     prepared: Prepared
     parameters: Mapping[str, Any] = field(default_factory=dict)
     """Values of the mission's parameters, as ``fsm.parse_parameters`` gives them."""
+    stands: bool = False
+    """Whether it has no mission of its own: it stands until all others are down."""
+    model: str | None = None
+    """The name of its model; None for the backend's default."""
+    start: Start | None = None
+    """Its start, world frame; None for one of the world's."""
+    color: Rgb | None = None
+    """The colour of its hull; None for one that its name decides."""
 
     @property
     def all_parameters(self) -> dict[str, Any]:
         """Their values, with the defaults of those that are not given."""
         known = self.prepared.graph.parameters
         return {name: self.parameters.get(name, known[name].default) for name in known}
+
+
+def starts_of(assignments: Mapping[str, Assignment]) -> dict[str, Start]:
+    """The start of each vehicle of a run, world frame: its own, or one of the world's."""
+    if not assignments:
+        return {}
+    world = next(iter(assignments.values())).prepared.world
+    found = starts_for(world, [each.start for each in assignments.values()])
+    return dict(zip(assignments, found, strict=True))
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """What holds for the vehicles of a fleet together."""
+
+    name: str
+    until: Until | None = None
+    """The condition that ends the flight of all."""
+    file: Path | None = None
+    """The fleet's own file, to be kept with the run."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +82,9 @@ class Plan:
     camera_file: Path | None = None
     """The file from which its cameras were set, to be kept with the run."""
     posts: tuple[Post, ...] = ()
-    """Events that every mission is told, in the order of their times."""
+    """Events that missions are told, in the order of their times."""
+    fleet: Fleet | None = None
+    """None for missions that no fleet joins."""
 
     def __post_init__(self) -> None:
         worlds = {assignment.prepared.world.sha256 for assignment in self.assignments.values()}
@@ -72,9 +105,22 @@ class Plan:
         return cls({ALONE: Assignment(prepared, parameters or {})}, backend, seed, settings or {})
 
     @property
-    def mission_name(self) -> str:
-        """The name of the first vehicle's mission."""
-        return self._any.graph.name
+    def vehicles(self) -> tuple[VehicleSpec, ...]:
+        """The vehicles that a session is asked for."""
+        return tuple(
+            VehicleSpec(name, each.model, each.start, each.color)
+            for name, each in self.assignments.items()
+        )
+
+    @property
+    def starts(self) -> dict[str, Start]:
+        """The start of each vehicle, world frame."""
+        return starts_of(self.assignments)
+
+    @property
+    def name(self) -> str:
+        """The name of the fleet, or of the first vehicle's mission."""
+        return self.fleet.name if self.fleet else self._any.graph.name
 
     @property
     def world(self) -> World:

@@ -1,4 +1,4 @@
-"""Preparation of missions and fleets: from a file to a checked graph and the world it flies in."""
+"""Preparation of missions: from a file to a checked graph and the world it flies in."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fsm.faults import Faults
 from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
 from runner.missions import Found
-from vencejo.errors import Fault, Where
+from vencejo.errors import Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
 
@@ -40,20 +40,27 @@ class Prepared:
 
 
 def prepare(
-    found: Found, world: str | None = None, *, code: bool = True, calls: Calls | None = None
+    found: Found,
+    world: str | None = None,
+    *,
+    code: bool = True,
+    calls: Calls | None = None,
+    peers: Iterable[str] | None = None,
 ) -> Prepared:
     """Read and check a mission; runs the Python files it uses, unless ``code`` is False.
 
-    ``calls`` are those that run them, for whoever limits their time.
-    Raises UserError with every fault that was found.
+    ``calls`` are those that run them, for whoever limits their time; ``peers`` the vehicles of the
+    fleet that it is part of. Raises UserError with every fault that was found.
     """
     faults = Faults()
     spec, document = _read(found, faults)
-    word, where = _world_word(spec.world, found.path.parent, world)
+    word, where = world_word(spec.world, found.path.parent, world)
     place: World | None = None
     with faults.collecting():
         place = find_world(word, where)
-    vocabulary = _vocabulary_of(spec, found.path, place, faults, code=code, calls=calls)
+    vocabulary = _vocabulary_of(
+        spec, found.path, place, faults, code=code, peers=peers, calls=calls
+    )
     if document is not None:
         from fsm.scxml import load_document
 
@@ -67,36 +74,26 @@ def prepare(
     return Prepared(found, spec, graph, place, word, files)
 
 
-def check_fleet_file(
-    found: Found, world: str | None = None, *, code: bool = True, calls: Calls | None = None
-) -> tuple[list[Fault], list[Graph]]:
-    """Every fault of a fleet and of its missions, and the graphs of those that have no error.
+def prepare_member(
+    spec: MissionSpec,
+    found: Found,
+    place: tuple[World, str],
+    peers: Iterable[str],
+    *,
+    code: bool = True,
+    calls: Calls | None = None,
+) -> Prepared:
+    """Check a mission of a fleet that has been read, for the fleet's world and the word for it.
 
-    Fleets do not fly yet. Raises UserError when the fleet's own file or its world cannot be read.
+    Raises UserError with every fault that was found.
     """
-    from fsm.fleet import check_fleet, read_fleet
-
-    fleet, faults = read_fleet(found.path, found.shown_as)
-    place = find_world(*_world_word(fleet.world, found.path.parent, world))
-    graphs: dict[str, Graph] = {}
-    for member in fleet.members:
-        with faults.collecting():
-            found_here = Faults()
-            vocabulary = _vocabulary_of(
-                member.spec,
-                member.path,
-                place,
-                found_here,
-                code=code,
-                peers=fleet.names,
-                calls=calls,
-            )
-            graph = compile_mission(member.spec, vocabulary, found_here)
-            graphs[member.name.text] = graph
-            faults.extend(warnings_with_proof(graph))
-    faults.extend(check_fleet(fleet, graphs))
-    # Two vehicles may fly one mission: its faults are told once.
-    return list(dict.fromkeys(faults)), list(graphs.values())
+    faults, (world, word) = Faults(), place
+    vocabulary = _vocabulary_of(
+        spec, found.path, world, faults, code=code, peers=peers, calls=calls
+    )
+    graph = compile_mission(spec, vocabulary, faults)
+    graph = replace(graph, warnings=warnings_with_proof(graph))
+    return Prepared(found, spec, graph, world, word, (found.path, *_others(spec, found.path)))
 
 
 def _read(found: Found, faults: Faults) -> tuple[MissionSpec, Element | None]:
@@ -166,7 +163,7 @@ def _sources(document: Element | None) -> list[Path]:
     return sources(document)
 
 
-def _world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
+def world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[str, Where | None]:
     """The world to fly in, and the place that names it: ``--world``, or a file in ``folder``."""
     if given is not None:
         return given, Where("--world")

@@ -22,12 +22,12 @@ from runner.readings import ReadingFile
 from runner.run_folder import (
     EVENTS,
     SUMMARY,
-    TELEMETRY,
     Header,
     Summary,
     entry_fields,
     header_fields,
     summary_fields,
+    telemetry_files,
 )
 from runner.telemetry import COLUMNS, row_of
 from vencejo.errors import UserError, Where, reason_of
@@ -35,6 +35,8 @@ from vencejo.files import write_whole
 
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: a killed run may lose one second of them."""
+_Row = tuple[Observation, str, Sequence[str], Setpoint | None, str]
+"""What :func:`runner.telemetry.row_of` makes a row of."""
 
 
 def new_folder(parent: Path, stamp: str, mission: str) -> Path:
@@ -65,7 +67,8 @@ class Recorder:
         """``frames``: whether the camera frames that were read are kept."""
         self.folder = folder
         self._sequence = 0
-        self._rows: list[tuple[Observation, str, Sequence[str], Setpoint | None, str]] = []
+        self._rows: dict[str, list[_Row]] = {}
+        """By vehicle, those that are not written yet."""
         self._states: dict[str, Sequence[str]] = {}
         """Paths of the active leaf states, by vehicle."""
         place = folder.absolute()  # a person's code may go to another folder in flight
@@ -79,7 +82,8 @@ class Recorder:
         self._unwritten_readings: list[tuple[str, str, Reading]] = []
         """Vehicle, sensor and reading of every reading read but not yet written."""
         self._events = AppendedFile(folder / EVENTS)
-        self._telemetry = AppendedFile(folder / TELEMETRY)
+        self._telemetry: dict[str, AppendedFile] = {}
+        """By vehicle."""
 
     @contextmanager
     def beginning(self) -> Iterator[None]:
@@ -103,7 +107,13 @@ class Recorder:
     def begin(self, header: Header) -> None:
         """Write the first lines of events and telemetry."""
         self._events.append([encode(header_fields(header))])
-        self._telemetry.append([COLUMNS])
+        for vehicle, file in telemetry_files(header.missions).items():
+            path = self.folder / file
+            with writing(path):
+                path.parent.mkdir(exist_ok=True)
+            self._telemetry[vehicle] = AppendedFile(path)
+            self._telemetry[vehicle].append([COLUMNS])
+            self._rows[vehicle] = []
 
     def follow(self, pilot: Pilot) -> None:
         """Record the frames and readings that the behaviours of this pilot read."""
@@ -129,9 +139,10 @@ class Recorder:
         vehicle = pilot.vehicle.name
         # Formatted many at a time: one by one they would take twice as long.
         told = pilot.channel.commanded, pilot.manoeuvre
-        self._rows.append((seen, vehicle, self._states.get(vehicle, ()), *told))
-        if len(self._rows) == _ROWS_AT_ONCE:
-            self._write_rows()
+        rows = self._rows[vehicle]
+        rows.append((seen, vehicle, self._states.get(vehicle, ()), *told))
+        if len(rows) == _ROWS_AT_ONCE:
+            self._write_rows(vehicle)
         if self._unwritten_frames:
             self._write_frames()
         if self._unwritten_photos:
@@ -156,9 +167,9 @@ class Recorder:
             self._states[vehicle] = pilot.instance.paths()
         return records
 
-    def _write_rows(self) -> None:
-        rows, self._rows = self._rows, []
-        self._telemetry.append([row_of(*row) for row in rows])
+    def _write_rows(self, vehicle: str) -> None:
+        rows, self._rows[vehicle] = self._rows[vehicle], []
+        self._telemetry[vehicle].append([row_of(*row) for row in rows])
 
     def _write_frames(self) -> None:
         read, self._unwritten_frames = self._unwritten_frames, []
@@ -179,11 +190,13 @@ class Recorder:
     def close(self) -> None:
         """Everything is on disk after this; closing again does nothing."""
         with ExitStack() as stack:
-            for file in (self._frames, self._readings, self._telemetry, self._events):
+            files = (self._frames, self._readings, *self._telemetry.values(), self._events)
+            for file in files:
                 if file is not None:
                     stack.callback(file.close)
-            if self._rows:
-                self._write_rows()
+            for vehicle, rows in self._rows.items():
+                if rows:
+                    self._write_rows(vehicle)
             self._write_frames()
             self._write_photos()
             self._write_readings()

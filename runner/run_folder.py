@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from math import isfinite
@@ -19,8 +19,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hal.vehicle import Frame, Intrinsics, Reading
-from runner.by_vehicle import joined, vehicles_of
+from runner.by_vehicle import are_alone, joined, vehicles_of
 from runner.course import Entered
+from runner.separation import Nearest
 from runner.settings import RunSettings, settings_fields, settings_of
 from runner.telemetry import COLUMNS, KNOWN_COLUMNS, Sample, sample_of
 from vencejo.errors import UserError, Where
@@ -32,7 +33,7 @@ FRAMES_FORMAT, FRAMES_VERSION = "vencejo.frames", 1
 READINGS = "readings.jsonl"
 READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
 PICTURE = "flight.png"
-OWN_NAMES = (EVENTS, TELEMETRY, FRAMES, "frames", SUMMARY, READINGS, PICTURE)
+OWN_NAMES = (EVENTS, TELEMETRY, "telemetry", FRAMES, "frames", SUMMARY, READINGS, PICTURE)
 """Names in a run folder that copies of files cannot have."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130
 """Exit codes of runs that have flown."""
@@ -47,6 +48,7 @@ class MissionFacts:
     """The mission that one vehicle flies."""
 
     name: str
+    """Empty for a vehicle without a mission."""
     sha256: str
     """SHA-256 of the mission's own file, hexadecimal."""
     parameters: Mapping[str, Any]
@@ -70,6 +72,8 @@ class Header:
     """Version of vencejo that flew it."""
     settings: RunSettings | None = None
     """None in folders of releases that did not keep them."""
+    fleet: str = ""
+    """The name of the fleet; empty where none joins the vehicles."""
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,10 @@ class Summary:
     """Versions of the packages that the result may depend on, and of Python."""
     unrecorded: str = ""
     """The fault because of which the run folder is not whole; empty when it is."""
+    ended_by_until: bool = False
+    """Whether a fleet's flight ended because its condition came true."""
+    separation: tuple[Nearest, ...] = ()
+    """The least distance of each two vehicles."""
 
     @property
     def alone(self) -> Flown:
@@ -167,9 +175,9 @@ class Summary:
 
     @property
     def exit_code(self) -> int:
-        """0 when every mission ended in ``done``, 3 when a vehicle or its link failed, 130 when
-        interrupted, 4 when the run could not be recorded, else 1; the first of these that holds,
-        from the gravest: 3, 130, 4.
+        """0 when every mission ended in ``done``, or the condition of a fleet came true; 3 when a
+        vehicle or its link failed, 130 when interrupted, 4 when the run could not be recorded, else
+        1; the first of these that holds, from the gravest: 3, 130, 4.
         """
         if any(flown.failure for flown in self.vehicles.values()):
             return VEHICLE_FAILED
@@ -178,7 +186,7 @@ class Summary:
         if self.unrecorded:
             return NOT_RECORDED
         done = all(flown.outcome == "done" for flown in self.vehicles.values())
-        return SUCCESS if done else OTHER_OUTCOME
+        return SUCCESS if done or self.ended_by_until else OTHER_OUTCOME
 
 
 @dataclass(frozen=True)
@@ -200,12 +208,19 @@ class Run:
     """Descriptions of missing or truncated parts, if the run was killed or still flies."""
 
 
+def telemetry_files(vehicles: Collection[str]) -> dict[str, str]:
+    """The paths of the telemetry of all vehicles of a run, from its folder."""
+    if are_alone(vehicles):
+        return dict.fromkeys(vehicles, TELEMETRY)
+    return {vehicle: f"telemetry/{vehicle}.csv" for vehicle in vehicles}
+
+
 def header_fields(header: Header) -> dict[str, Any]:
     """The first line of ``events.jsonl``, as an object for JSON."""
     vehicles = {
         vehicle: {
-            "mission": mission.name,
-            "mission_sha256": mission.sha256,
+            "mission": mission.name or None,
+            "mission_sha256": mission.sha256 or None,
             **({"files_sha256": dict(mission.files)} if mission.files else {}),
             "parameters": dict(mission.parameters),
         }
@@ -214,6 +229,7 @@ def header_fields(header: Header) -> dict[str, Any]:
     run = {
         "format": EVENTS_FORMAT,
         "version": EVENTS_VERSION,
+        **({"fleet": header.fleet} if header.fleet else {}),
         "world": header.world,
         "world_sha256": header.world_sha256,
         "seed": header.seed,
@@ -230,7 +246,8 @@ def _settings_fields(header: Header) -> dict[str, Any]:
 
 
 _HEADER_ORDER = (
-    *("format", "version", "mission", "mission_sha256", "files_sha256", "vehicles", "world"),
+    *("format", "version", "fleet", "mission", "mission_sha256", "files_sha256"),
+    *("vehicles", "world"),
     *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo", "settings"),
 )
 
@@ -297,13 +314,15 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
     header, wall = summary.header, summary.wall_time
     vehicles = {
         vehicle: {
-            "mission": header.missions[vehicle].name,
+            "mission": header.missions[vehicle].name or None,
             **_flown_fields(flown),
             "parameters": dict(header.missions[vehicle].parameters),
         }
         for vehicle, flown in summary.vehicles.items()
     }
     run = {
+        **({"fleet": header.fleet} if header.fleet else {}),
+        **_together_fields(summary),
         "success": summary.exit_code == SUCCESS,
         "exit_code": summary.exit_code,
         "mission_time_s": round(summary.mission_time, 6),
@@ -321,10 +340,21 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
     return joined(vehicles, run, _SUMMARY_ORDER)
 
 
+def _together_fields(summary: Summary) -> dict[str, Any]:
+    """What is told of several vehicles together; nothing of one that flies alone."""
+    separation = [
+        {"vehicles": list(pair), "distance_m": round(distance, 3), "t": round(time, 6)}
+        for pair, distance, time in summary.separation
+    ]
+    until = {"ended_by_until": True} if summary.ended_by_until else {}
+    return {**until, **({"separation": separation} if separation else {})}
+
+
 _SUMMARY_ORDER = (
-    *("mission", "outcome", "success", "reason", "failure", "output", "exit_code"),
+    *("fleet", "mission", "outcome", "success", "reason", "failure", "output", "ended_by_until"),
+    "exit_code",
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
-    *("left_ground", "battery_left", "entered", "collisions", "vehicles"),
+    *("left_ground", "battery_left", "entered", "collisions", "separation", "vehicles"),
     *("world", "parameters", "seed", "backend", "engine", "settings"),
     *("versions", "unrecorded", "run_folder"),
 )
@@ -363,7 +393,7 @@ def read_run(folder: Path | str) -> Run:
         folder=folder,
         header=header,
         events=tuple(_each(folder / EVENTS, lines, _entry)),
-        telemetry=_telemetry(folder / TELEMETRY, missing),
+        telemetry=_telemetry(folder, header.missions, missing),
         frames=tuple(_frames(folder, missing)),
         readings=tuple(_readings(folder / READINGS, missing)),
         summary=_summary(folder / SUMMARY, header, missing),
@@ -454,8 +484,8 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
     return Header(
         missions={
             vehicle: MissionFacts(
-                name=mission["mission"],
-                sha256=mission["mission_sha256"],
+                name=mission["mission"] or "",
+                sha256=mission["mission_sha256"] or "",
                 parameters=mission["parameters"],
                 files=mission.get("files_sha256", {}),
             )
@@ -468,6 +498,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
         engine=fields["engine"],
         vencejo=fields["vencejo"],
         settings=settings_of(fields["settings"]) if "settings" in fields else None,
+        fleet=fields.get("fleet", ""),
     )
 
 
@@ -484,18 +515,28 @@ def _entry(line: bytes) -> LogEntry:
     return LogEntry(sequence, time, fields.pop("vehicle"), fields.pop("kind"), fields)
 
 
-def _telemetry(path: Path, missing: list[str]) -> dict[str, tuple[Sample, ...]]:
+def _telemetry(
+    folder: Path, vehicles: Collection[str], missing: list[str]
+) -> dict[str, tuple[Sample, ...]]:
+    found: dict[str, list[Sample]] = {}
+    # Earlier releases kept all vehicles in one file.
+    in_one = (folder / TELEMETRY).exists()
+    for file in [TELEMETRY] if in_one else telemetry_files(vehicles).values():
+        for vehicle, sample in _rows(folder / file, missing):
+            found.setdefault(vehicle, []).append(sample)
+    return {vehicle: tuple(samples) for vehicle, samples in found.items()}
+
+
+def _rows(path: Path, missing: list[str]) -> list[tuple[str, Sample]]:
+    """The vehicle and sample of each line of a file of telemetry."""
     lines = _lines(path, missing)
     if not lines:
-        return {}
+        return []
     columns = lines[0].decode("utf-8", "replace")
     if columns not in KNOWN_COLUMNS:
         message = f"its columns are not {COLUMNS}"
         raise UserError("unknown-run-format", message, Where(str(path), 1, 1))
-    found: dict[str, list[Sample]] = {}
-    for vehicle, sample in _each(path, lines[1:], partial(sample_of, columns=columns)):
-        found.setdefault(vehicle, []).append(sample)
-    return {vehicle: tuple(samples) for vehicle, samples in found.items()}
+    return _each(path, lines[1:], partial(sample_of, columns=columns))
 
 
 def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
@@ -570,7 +611,14 @@ def _summary_of(fields: Mapping[str, Any], header: Header) -> Summary:
         interrupted=fields["exit_code"] == INTERRUPTED,
         versions=fields["versions"],
         unrecorded=fields.get("unrecorded", ""),
+        ended_by_until=fields.get("ended_by_until", False),
+        separation=tuple(map(_nearest_of, fields.get("separation", ()))),
     )
+
+
+def _nearest_of(fields: Mapping[str, Any]) -> Nearest:
+    first, second = fields["vehicles"]
+    return Nearest((first, second), fields["distance_m"], fields["t"])
 
 
 def _flown_of(fields: Mapping[str, Any]) -> Flown:

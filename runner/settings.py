@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fsm.values.packing import pack, unpack
+from hal.lights import Rgb
 from hal.limits import Limits
 from runner.by_vehicle import joined, vehicles_of
 from runner.posts import Post, post_fields, post_of
+from vencejo.geometry import Point
+from worlds import Start
 
 
 @dataclass(frozen=True)
@@ -17,9 +20,15 @@ class MissionSettings:
     """The mission of one vehicle."""
 
     file: str
-    """Its path in the run folder."""
+    """Its path in the run folder; empty for a vehicle without a mission."""
     parameters: Mapping[str, Any]
     """The values of all its parameters."""
+    model: str | None = None
+    """The name of the vehicle's model; None for the backend's default."""
+    start: Start | None = None
+    """The vehicle's start, world frame; None for one of the world's."""
+    color: Rgb | None = None
+    """The colour of its hull; None for one that its name decides."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +53,23 @@ class RunSettings:
     """Seconds that a call into people's code may take; None for any time."""
     camera_file: str | None = None
     post: tuple[Post, ...] = ()
-    """Events that every mission was told, in the order of their times."""
+    """Events that missions were told, in the order of their times."""
+    fleet: str = ""
+    """The name of the fleet; empty where none joins the vehicles."""
+    fleet_file: str = ""
+    """The fleet's own file."""
+    until: str = ""
+    """The condition that ends the flight of a fleet; empty for none."""
     own: Mapping[str, Any] = field(default_factory=dict)
     """Settings of that backend only, such as the simulator's ``noise``."""
 
 
 _RUN = ("seed", "backend", "connect", "profile", "limits", "call_limit", "camera_file")
 """Settings that stand in files as they are, but for limits."""
-_ORDER = ("mission", "parameters", "vehicles", "world", *_RUN, "post")
+_FLEET = ("fleet", "fleet_file", "until")
+_ASKED = ("model", "start", "color")
+"""What may be asked of a vehicle."""
+_ORDER = ("mission", "parameters", *_ASKED, *_FLEET, "vehicles", "world", *_RUN, "post")
 
 
 def settings_fields(settings: RunSettings) -> dict[str, Any]:
@@ -60,14 +78,41 @@ def settings_fields(settings: RunSettings) -> dict[str, Any]:
     Values of parameters that JSON does not have are packed (see :mod:`fsm.values.packing`).
     """
     vehicles = {
-        vehicle: {"mission": mission.file, "parameters": pack(mission.parameters)}
+        vehicle: {
+            "mission": mission.file or None,
+            "parameters": pack(mission.parameters),
+            **_asked_fields(mission),
+        }
         for vehicle, mission in settings.missions.items()
     }
     run = {name: getattr(settings, name) for name in ("world", *_RUN)}
+    run |= {name: getattr(settings, name) for name in _FLEET if getattr(settings, name)}
     run |= {"limits": settings.limits.given(), "post": list(map(post_fields, settings.post))}
     ours = joined(vehicles, run, _ORDER)
     others = {name: value for name, value in settings.own.items() if name not in ours}
     return {**ours, **others, "files": dict(settings.files)}
+
+
+def _asked_fields(mission: MissionSettings) -> dict[str, Any]:
+    """What is asked of a vehicle, without what is not."""
+    start = mission.start
+    fields = {
+        "model": mission.model,
+        "start": {"at": list(start.at), "heading": start.heading} if start else None,
+        "color": list(mission.color) if mission.color else None,
+    }
+    return {name: value for name, value in fields.items() if value is not None}
+
+
+def _mission_of(fields: Mapping[str, Any]) -> MissionSettings:
+    start, color = fields.get("start"), fields.get("color")
+    return MissionSettings(
+        fields["mission"] or "",
+        unpack(fields["parameters"]),
+        fields.get("model"),
+        Start(Point(*start["at"]), start["heading"]) if start else None,
+        (color[0], color[1], color[2]) if color else None,
+    )
 
 
 def settings_of(fields: Mapping[str, Any]) -> RunSettings:
@@ -75,13 +120,13 @@ def settings_of(fields: Mapping[str, Any]) -> RunSettings:
     known = {*_ORDER, "files"}
     return RunSettings(
         missions={
-            vehicle: MissionSettings(mission["mission"], unpack(mission["parameters"]))
-            for vehicle, mission in vehicles_of(fields).items()
+            vehicle: _mission_of(mission) for vehicle, mission in vehicles_of(fields).items()
         },
         world=fields["world"],
         files=fields["files"],
         **{name: fields[name] for name in _RUN if name != "limits"},
         limits=Limits(**fields["limits"]),
         post=tuple(map(post_of, fields["post"])),
+        **{name: fields[name] for name in _FLEET if name in fields},
         own={name: value for name, value in fields.items() if name not in known},
     )

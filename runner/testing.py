@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,9 +18,13 @@ from fsm import (
 )
 from fsm.engine.instance import Record
 from runner import missions
-from runner.loop import fly
+from runner.fleets import prepare_fleet, with_parameters
+from runner.loop import Watcher, fly
 from runner.plan import Plan
+from runner.posts import parse_posts
 from runner.preparation import prepare
+from runner.run_folder import Flown, Summary
+from runner.separation import Nearest
 from vencejo.geometry import Point, distance
 
 
@@ -68,6 +72,12 @@ class _Watch:
             if kind == "enter" and not pilot.instance.graph.by_path[fields["state"]].children:
                 self.flight.states.append(fields["state"])
 
+    def take(self, flown: Flown) -> None:
+        """Note how the flight ended."""
+        flight = self.flight
+        flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
+        flight.time = round(flown.mission_time, 6)
+
 
 def graph_of(source: str | Path, vocabulary: Vocabulary | None = None) -> Graph:
     """The graph of a mission given by path or name, or by its text (which has several lines).
@@ -81,6 +91,59 @@ def graph_of(source: str | Path, vocabulary: Vocabulary | None = None) -> Graph:
     if vocabulary is None:
         return prepare(found).graph
     return compile_mission(read_mission(found.path, found.shown_as), vocabulary)
+
+
+@dataclass(frozen=True)
+class FleetFlight:
+    """The course of a fleet's flight."""
+
+    vehicles: Mapping[str, MissionFlight]
+    """By name; each counts from its own home."""
+    summary: Summary
+
+    @property
+    def nearest(self) -> Nearest:
+        """The two vehicles that came nearest to each other. Raises ValueError where none flew."""
+        return min(self.summary.separation, key=lambda pair: pair.distance)
+
+
+def fly_fleet(
+    fleet: str | Path,
+    parameters: Mapping[str, str] | None = None,
+    *,
+    world: str | None = None,
+    seed: int = 0,
+    noise: float = 0.0,
+    post: Iterable[str] = (),
+    watchers: Sequence[Watcher] = (),
+) -> FleetFlight:
+    """Fly a fleet, given by path or name, in the simulator, without files or pacing.
+
+    ``parameters`` and ``post`` are texts as after ``-p`` (``{"cat.speed": "3 m/s"}``) and
+    ``--post`` (``6s:cat:battery.low``). Raises UserError like the command line.
+    """
+    prepared = prepare_fleet(missions.find(str(fleet)), world)
+    prepared.require()
+    assignments = with_parameters(prepared.assignments, parameters or {})
+    posts = parse_posts({n: each.prepared.graph for n, each in assignments.items()}, post)
+    watches = {name: _Watch(MissionFlight(), {}) for name in assignments}
+    plan = Plan(
+        assignments, seed=seed, settings={"noise": noise}, posts=posts, fleet=prepared.fleet
+    )
+    summary = fly(plan, watchers=[_EachItsOwn(watches), *watchers])
+    for name, flown in summary.vehicles.items():
+        watches[name].take(flown)
+    return FleetFlight({name: watch.flight for name, watch in watches.items()}, summary)
+
+
+class _EachItsOwn:
+    """Shows each vehicle to the watch of its own."""
+
+    def __init__(self, watches: Mapping[str, _Watch]) -> None:
+        self._watches = watches
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        self._watches[pilot.vehicle.name].show(pilot, records)
 
 
 def fly_mission(
@@ -102,9 +165,7 @@ def fly_mission(
     if watch:
         watch(prepared.graph)
     values = parse_parameters(prepared.graph, parameters or {})
-    flight = MissionFlight()
     plan = Plan.alone(prepared, values, seed=seed, settings={"noise": noise})
-    flown = fly(plan, watchers=[_Watch(flight, post or {})]).alone
-    flight.outcome, flight.reason, flight.output = flown.outcome, flown.reason, flown.output
-    flight.time = round(flown.mission_time, 6)
-    return flight
+    watched = _Watch(MissionFlight(), post or {})
+    watched.take(fly(plan, watchers=[watched]).alone)
+    return watched.flight

@@ -12,6 +12,8 @@ from fsm.engine.instance import Record
 from runner.call_limit import CallLimit
 from runner.loop import fly
 from runner.plan import Plan
+from runner.run_folder import SUCCESS, Flown
+from runner.separation import Nearest
 from vencejo.geometry import Point
 from worlds.obstacles import Near, Obstacles
 
@@ -33,8 +35,9 @@ class Clearance(NamedTuple):
 
 @dataclass(frozen=True)
 class TrialFlight:
-    """What was measured of one flight."""
+    """What was measured of one flight of one vehicle."""
 
+    vehicle: str
     seed: int
     outcome: str
     reason: str
@@ -53,29 +56,58 @@ class TrialFlight:
     """The paths of the states that were entered."""
 
 
-def fly_trials(
-    plan: Plan, seeds: Sequence[int], limit: CallLimit | None = None
-) -> Iterator[TrialFlight]:
-    """Fly the plan of a single vehicle once with each seed; nothing is recorded.
+@dataclass(frozen=True)
+class Trial:
+    """One flight of all vehicles of a plan."""
+
+    seed: int
+    flights: tuple[TrialFlight, ...]
+    """Of the vehicles that have a mission."""
+    separation: tuple[Nearest, ...]
+    """The least distance of each two vehicles."""
+    success: bool
+
+
+def fly_trials(plan: Plan, seeds: Sequence[int], limit: CallLimit | None = None) -> Iterator[Trial]:
+    """Fly a plan once with each seed; nothing is recorded.
 
     ``limit``, which its caller has entered, ends calls into people's code that last too long.
     Raises VehicleError without a simulator, UserError when it cannot fly this.
     """
     obstacles = Obstacles(plan.world)
+    missions = [name for name, each in plan.assignments.items() if not each.stands]
     for seed in seeds:
-        watch = _Watch(obstacles, seed)
-        flown = fly(replace(plan, seed=seed), watchers=[watch], limit=limit).alone
-        yield TrialFlight(
-            seed,
-            flown.outcome,
-            flown.reason,
-            flown.mission_time,
-            flown.battery,
-            flown.distance,
-            flown.max_altitude,
-            watch.clearances,
-            frozenset(watch.entered),
-        )
+        watches = {name: _Watch(obstacles, seed) for name in missions}
+        summary = fly(replace(plan, seed=seed), watchers=[_Watches(watches)], limit=limit)
+        flights = [_measured(name, summary.vehicles[name], each) for name, each in watches.items()]
+        yield Trial(seed, tuple(flights), summary.separation, summary.exit_code == SUCCESS)
+
+
+def _measured(vehicle: str, flown: Flown, watch: _Watch) -> TrialFlight:
+    return TrialFlight(
+        vehicle,
+        watch.seed,
+        flown.outcome,
+        flown.reason,
+        flown.mission_time,
+        flown.battery,
+        flown.distance,
+        flown.max_altitude,
+        watch.clearances,
+        frozenset(watch.entered),
+    )
+
+
+@dataclass(frozen=True)
+class _Watches:
+    """Shows each vehicle to the watch of its own."""
+
+    by_vehicle: Mapping[str, _Watch]
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        watch = self.by_vehicle.get(pilot.vehicle.name)
+        if watch is not None:
+            watch.show(pilot, records)
 
 
 @dataclass

@@ -81,21 +81,22 @@ LIGHT = Field(
     _DAY,
 )
 
-_START = record(
+START: Value[tuple[Spot, float]] = record(
     "a start",
     {"at": Field(SPOT), "heading": Field(ANGLE_VALUE, 0.0)},
     lambda at, heading: (at, heading),
 )
+"""One start: its spot and its heading."""
 
 
 def _starts(node: YamlNode) -> list[tuple[Where, Spot, float]]:
     if isinstance(node, Sequence) and not node.items:
         raise UserError("wrong-type", "an empty list of starts", node.where, "write {at: [0, 0]}")
     items = node.items if isinstance(node, Sequence) else [node]
-    return each(items, lambda item: (item.where, *_START.read(item)))
+    return each(items, lambda item: (item.where, *START.read(item)))
 
 
 STARTS = Value(
-    _starts, {"anyOf": [_START.schema, {"type": "array", "items": _START.schema, "minItems": 1}]}
+    _starts, {"anyOf": [START.schema, {"type": "array", "items": START.schema, "minItems": 1}]}
 )
 """One start or a list of them; each comes with its place in the file, its spot and its heading."""

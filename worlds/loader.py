@@ -5,24 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from hashlib import sha256
-from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where
-from vencejo.geometry import Point, horizontal_distance
+from vencejo.geometry import Point
 from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
 from worlds.environment import GROUND, LIGHT, ORIGIN, STARTS
-from worlds.fence import FENCE, surrounds
+from worlds.fence import FENCE
 from worlds.kinds import BEACON, KINDS
-from worlds.solids import START_CLEARANCE, thing_near, top_of
-from worlds.terrain import height_at, place_of
-from worlds.things import Terrain, Thing
+from worlds.starts import PlannedStart, bad_starts, overlapping, starts_outside
+from worlds.terrain import place_of
 from worlds.values import PLACE, SHARE, TEXT, Field, NamedEntries, Spot, names, read_fields
-from worlds.world import Fence, Start, World
+from worlds.wind import WIND
+from worlds.world import Start, World
 
 FIELDS: Mapping[str, Field] = MappingProxyType(
     {
@@ -31,6 +30,7 @@ FIELDS: Mapping[str, Field] = MappingProxyType(
         "origin": Field(ORIGIN, None),
         "ground": GROUND,
         "light": LIGHT,
+        "wind": Field(WIND, None),
         "start": Field(STARTS, None),
         "battery": Field(SHARE, 1.0),
         "fence": Field(FENCE, None),
@@ -95,9 +95,13 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         for key, draft in named[kind].entries
     )
     written = keys.get("start") or [(root.where, Spot(0.0, 0.0), 0.0)] if "start" in keys else []
-    starts = [(where, Start(place_of(terrain, spot), heading)) for where, spot, heading in written]
-    faults.extend(_bad_starts(starts, things, terrain))
-    faults.extend(_starts_outside(starts, keys.get("fence")))
+    starts = [
+        PlannedStart(Start(place_of(terrain, spot), heading), where)
+        for where, spot, heading in written
+    ]
+    faults.extend(bad_starts(starts, things, terrain))
+    faults.extend(overlapping(starts))
+    faults.extend(starts_outside(starts, keys.get("fence")))
     if faults:
         raise UserError.of(sorted(faults, key=lambda fault: fault.where or root.where))
     beacons = {thing.name: thing.at for thing in things if thing.kind == "beacon"}
@@ -109,13 +113,14 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         ground=replace(
             ground, stripes=roads.stripes_of(road for _, road in named["roads"].entries)
         ),
-        starts=tuple(start for _, start in starts),
+        starts=tuple(planned.start for planned in starts),
         battery=keys["battery"],
         places=MappingProxyType(beacons | places),
         source=source,
         sha256=_digest([file.read_bytes() for file in files] or [text.encode()]),
         things=things,
         light=keys["light"],
+        wind=keys["wind"],
         fence=keys["fence"],
         roads=tuple(road.road(key.text) for key, road in named["roads"].entries),
         text=text,
@@ -149,49 +154,4 @@ def _repeated(named: Mapping[str, NamedEntries[Any]]) -> Iterator[Fault]:
                 f"'{key.text}' is a beacon already, and beacons are places",
                 key.where,
                 "rename one of the two",
-            )
-
-
-def _starts_outside(starts: list[tuple[Where, Start]], fence: Fence | None) -> Iterator[Fault]:
-    """Faults for starts outside the fence."""
-    for where, start in starts:
-        if fence is not None and not surrounds(fence, start.at.x, start.at.y):
-            yield Fault(
-                "start-outside-fence",
-                "a vehicle that starts here is outside the fence",
-                where,
-                "draw the fence round the starts, or move the start",
-            )
-
-
-def _bad_starts(
-    starts: list[tuple[Where, Start]], things: tuple[Thing, ...], terrain: Terrain | None
-) -> Iterator[Fault]:
-    """Faults for starts in things, in the ground or in each other."""
-    for where, start in starts:
-        ground = height_at(terrain, start.at.x, start.at.y)
-        thing = thing_near(things, start.at)
-        if thing is not None:
-            yield Fault(
-                "start-in-thing",
-                f"a vehicle that starts here stands in the {thing.kind} '{thing.name}'",
-                where,
-                f"keep {START_CLEARANCE:g} m away from it, or start on top with z = "
-                f"{top_of(thing):g}",
-            )
-        elif start.at.z < ground:
-            yield Fault(
-                "start-in-ground",
-                f"a vehicle that starts here is below the ground, which is at {ground:g} m",
-                where,
-                "leave z out to start on the ground",
-            )
-    for (_, one), (where, other) in combinations(starts, 2):
-        near = horizontal_distance(one.at, other.at) < 2 * START_CLEARANCE
-        if near and abs(one.at.z - other.at.z) < START_CLEARANCE:
-            yield Fault(
-                "starts-overlap",
-                "a vehicle that starts here stands in the one of an earlier start",
-                where,
-                f"starts lie {2 * START_CLEARANCE:g} m apart or more",
             )

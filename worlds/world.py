@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, log
 from pathlib import Path
 
 from vencejo.geometry import Point
@@ -83,6 +83,54 @@ class Light:
 
 
 @dataclass(frozen=True, slots=True)
+class Gusts:
+    """Gusts of one shape: the wind rises along a cosine, and falls again (see :mod:`hal.sim`)."""
+
+    to: float
+    """Speed of the wind at their peak, m/s."""
+    duration: float
+    """Of one gust where it passes, seconds."""
+    every: float
+    """Mean time from the beginning of one gust to that of the next, which is random, seconds."""
+    at: tuple[float, ...] = ()
+    """Times at which they reach the world's origin, in order, instead of random ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wind:
+    """The wind of a world."""
+
+    speed: float
+    """Mean speed at ``height``, m/s."""
+    bearing: float
+    """The compass bearing it comes from, clockwise from north, degrees."""
+    height: float = 10.0
+    """Metres above z = 0."""
+    roughness: float | None = None
+    """Roughness length of the ground, metres: the wind is weaker below and stronger above; None
+    for the same wind at every height."""
+    gusts: Gusts | None = None
+    turbulence: float = 0.0
+    """The speed of the wind 20 feet above ground that makes the turbulence, m/s; 0 for none."""
+
+    def share_at(self, z: float) -> float:
+        """The wind at a height above z = 0 (m) over that at ``height``.
+
+        Over rough ground it grows with the logarithm of the height, as in the surface layer (R.
+        Stull, *An Introduction to Boundary Layer Meteorology*, Kluwer 1988).
+        """
+        rough = self.roughness
+        if rough is None:
+            return 1.0
+        return log(z / rough) / log(self.height / rough) if z > rough else 0.0
+
+    def __str__(self) -> str:
+        gusts = f", gusts to {self.gusts.to:g} m/s" if self.gusts else ""
+        turbulence = f", turbulence of {self.turbulence:.3g} m/s" if self.turbulence else ""
+        return f"{self.speed:g} m/s from {self.bearing:g} deg{gusts}{turbulence}"
+
+
+@dataclass(frozen=True, slots=True)
 class World:
     """A place to fly in."""
 
@@ -111,3 +159,5 @@ class World:
     files: tuple[Path, ...] = ()
     """The file itself and the images, meshes and models it names; a generated world has none."""
     light: Light = field(default_factory=Light)
+    wind: Wind | None = None
+    """None for still air."""

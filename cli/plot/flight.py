@@ -5,7 +5,7 @@ Made from the run folder's files alone, so that a run that was killed has one to
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
@@ -17,7 +17,7 @@ from cli.plot.axes import FRAME, LABEL, Axes, axes_from_above, axes_over
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
 from cli.plot.lanes import Lane, lanes_of, states_of
 from hal import PERIOD, Position, Velocity
-from runner.run_folder import PICTURE, Run, read_run
+from runner.run_folder import PICTURE, Flown, Run, read_run
 from runner.telemetry import Sample
 from vencejo.errors import UserError, Where, cannot_write
 from vencejo.files import write_whole
@@ -143,20 +143,36 @@ def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
 
 
 def _draw_title(canvas: Canvas, run: Run) -> None:
-    missions = dict.fromkeys(mission.name for mission in run.header.missions.values())
-    title = f"{', '.join(missions)} in {run.header.world}"
+    flown = dict.fromkeys(mission.name for mission in run.header.missions.values() if mission.name)
+    title = f"{run.header.fleet or ', '.join(flown)} in {run.header.world}"
     canvas.text((_MAP.left, 22), title, 18)
+    left = _MAP.left + text_width(title, 18) + 16
     if run.summary is None:
-        canvas.text((_MAP.left + text_width(title, 18) + 16, 23), "cut off", 14, _RED)
+        canvas.text((left, 23), "cut off", 14, _RED)
         return
-    flown = run.summary.vehicles
-    ends = [
-        f"{f'{name}: ' if len(flown) > 1 else ''}{flight.outcome}"
-        f"{f' ({flight.reason})' if flight.reason else ''}"
-        for name, flight in flown.items()
-    ]
-    color = LABEL if all(flight.outcome == "done" for flight in flown.values()) else _RED
-    canvas.text((_MAP.left + text_width(title, 18) + 16, 23), ", ".join(ends), 14, color)
+    vehicles = run.summary.vehicles
+    color = LABEL if all(each.outcome == "done" for each in vehicles.values()) else _RED
+    canvas.text((left, 23), _fitted(_ends(vehicles), _RIGHT - left), 14, color)
+
+
+def _ends(vehicles: Mapping[str, Flown]) -> str:
+    """How the vehicles ended; said once, where all ended alike."""
+    ends = {
+        name: f"{flown.outcome}{f' ({flown.reason})' if flown.reason else ''}"
+        for name, flown in vehicles.items()
+    }
+    if len(set(ends.values())) == 1:
+        return next(iter(ends.values()))
+    return ", ".join(f"{name}: {end}" for name, end in ends.items())
+
+
+def _fitted(text: str, width: float) -> str:
+    """A text, or as much of its begin as there is room for, in the size of the ends."""
+    if text_width(text, 14) <= width:
+        return text
+    while text and text_width(f"{text}…", 14) > width:
+        text = text[:-1]
+    return f"{text}…"
 
 
 def _legend_rows(names: Iterable[str]) -> list[list[tuple[float, str]]]:

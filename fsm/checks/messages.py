@@ -38,7 +38,7 @@ def undelivered(graph: Graph, receiver: Graph, name: str) -> Iterator[Fault]:
             yield _unheard(receiver, message, f"'{name}' does not hear")
             continue
         declared = receiver.events.get(message.event, {})
-        for field in sorted(declared.keys() - message.fields.keys()):
+        for field in sorted(declared.keys() - message.fields.keys() - {"source"}):
             text = f"'{name}' needs the field '{field}' of '{message.event}' ({declared[field]})"
             yield Fault("missing-key", text, message.where, f"with: {{{field}: …}}")
         for field, value in message.fields.items() if declared else ():

@@ -28,12 +28,38 @@ def parse_parameters(
     What is doubtful in them is added to ``warnings``.
     Raises UserError for unknown names, values that do not fit, and required ones not given.
     """
+    faults = Faults()
+    values: dict[str, Any] = {}
+    with faults.collecting():
+        values = parse_given(graph, given, warnings)
+    for name, parameter in graph.parameters.items():
+        if parameter.required and name not in given:
+            message = f"the parameter '{name}' has no default and must be given"
+            faults.fail("missing-parameter", message, None, f"-p {name}=…")
+        values.setdefault(name, parameter.default)
+    faults.raise_any()
+    return values
+
+
+def parse_given(
+    graph: Graph,
+    given: Mapping[str, str],
+    warnings: list[Fault] | None = None,
+    *,
+    vehicle: str = "",
+) -> dict[str, Any]:
+    """Values for those of a graph's parameters that are given as texts.
+
+    ``vehicle`` is the one of a fleet that flies it, which the option names too (``-p cat.speed``).
+    What is doubtful is added to ``warnings``. Raises UserError for unknown names, and values that
+    do not fit.
+    """
     faults: list[Fault] = []
     values: dict[str, Any] = {}
     scope = Scope(warnings=[] if warnings is None else warnings)
     context = Context(scope, graph.places, graph.vocabulary.places)
     for name, text in given.items():
-        place = Where(f"-p {name}")
+        place = Where(f"-p {vehicle}.{name}" if vehicle else f"-p {name}")
         parameter = graph.parameters.get(name)
         if parameter is None:
             hint = nearest(name, graph.parameters, None if graph.parameters else "it has none")
@@ -47,11 +73,6 @@ def parse_parameters(
             faults.extend(
                 Fault(f.code, f"{name}={text}: {f.message}", place, f.hint) for f in error.faults
             )
-    for name, parameter in graph.parameters.items():
-        if parameter.required and name not in given:
-            message = f"the parameter '{name}' has no default and must be given"
-            faults.append(Fault("missing-parameter", message, None, f"-p {name}=…"))
-        values.setdefault(name, parameter.default)
     if faults:
         raise UserError.of(faults)
     return values

@@ -17,6 +17,7 @@ from fsm.values.types import (
     BOOL,
     MAX_NUMBER,
     NONE,
+    TEXT,
     AnyType,
     Bool,
     ListOf,
@@ -299,6 +300,9 @@ class Translator:
         name = node.attr
         if name.startswith("_"):
             self.fail(node, "unknown-field", f"there is no field '{name}'")
+        declared = isinstance(type_, MapOf) and name in (type_.fields or ())
+        if name == "source" and self._is_event(node.value) and not declared:
+            return f"{self.use('source', fn.source)}({code})", TEXT
         if isinstance(type_, PointType):
             if name not in ("x", "y", "z"):
                 self.fail(node, "unknown-field", f"a point has no '{name}'", "it has x, y and z")
@@ -312,6 +316,13 @@ class Translator:
         if isinstance(type_, (MapOf, AnyType)):
             return f"{self.use('field', fn.field)}({code}, {name!r})", ANY
         self.fail(node, "unknown-field", f"{type_} has no fields")
+
+    def _is_event(self, node: ast.expr) -> bool:
+        """Whether it is ``event`` itself."""
+        if not isinstance(node, ast.Name) or node.id != "event":
+            return False
+        found = self.scope.find("event")
+        return isinstance(found, Binding) and found.kind == "event"
 
     def _part(self, code: str, name: str, function: Callable[[Any, str], Any]) -> str:
         """The code that reads a field which is declared."""

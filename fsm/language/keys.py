@@ -87,6 +87,13 @@ _TYPES: Schema = {
 _FIELDS: Schema = {"type": ["object", "null"], "additionalProperties": _TYPES}
 _MAP: Schema = {"type": "object"}
 _ANY: Schema = {}
+_START: Schema = {
+    "type": "object",
+    "properties": {"at": {"type": "array", "minItems": 2, "maxItems": 3}, "heading": _ANY},
+    "required": ["at"],
+    "additionalProperties": False,
+}
+_COLOR: Schema = {"type": ["string", "array"]}
 _TEXT = kinds.TEXT.schema
 
 _MISSION_NAME = kinds.name(
@@ -254,9 +261,15 @@ KEYS: tuple[Key, ...] = (
     Key("vehicles", FLEET, kinds.node(_MAP),
         "Each vehicle with its mission and the parameters of that."),
     Key("mission", VEHICLE, kinds.SCALAR,
-        "The file of its mission, beside this one."),
+        "The file of its mission, beside this one; without a mission it stands."),
     Key("with", VEHICLE, kinds.node(_MAP),
         "Parameters of that mission."),
+    Key("model", VEHICLE, kinds.SCALAR,
+        "The name of its model."),
+    Key("start", VEHICLE, kinds.node(_START),
+        "Its place and heading at the start; none: a start of the world."),
+    Key("color", VEHICLE, kinds.node(_COLOR),
+        "The colour of its hull in pictures."),
 )
 # fmt: on
 

@@ -137,9 +137,9 @@ class _Reader:
         if fleet is not None and inside is None:
             raise UserError(
                 FLEET,
-                f"'{file}' is a fleet, and fleets do not fly yet",
+                f"'{file}' is a fleet, not a mission",
                 fleet.where,
-                "`drone-cli check` checks it; `drone-cli run` flies one of its missions by itself",
+                "`drone-cli run` and `check` take fleets; elsewhere name one of its missions",
             )
         if inside is None:
             node = self.keys(node, keys.AT["mission"], "a mission")

@@ -120,6 +120,12 @@ def field(value: Any, name: str) -> Any:
     raise EvaluationError(f"{shown(value)} has no '{name}'")
 
 
+def source(event: Any) -> str:
+    """The vehicle that sent an event; empty for one that no other vehicle sent."""
+    found = event.get("source", "")
+    return found if isinstance(found, str) else ""
+
+
 def item(value: Any, index: Any) -> Any:
     """An element of a list (from the end when negative) or a value of a map."""
     if isinstance(value, dict):

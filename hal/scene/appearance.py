@@ -30,13 +30,19 @@ SIZE = (0.52, 0.52, 0.12)
 """Bounding box of an AR.Drone with its hull, along its body axes, metres."""
 
 
-def quadrotor(name: str, *, arm: float = ARM, size: tuple[float, float, float] = SIZE) -> Thing:
+def quadrotor(
+    name: str,
+    *,
+    arm: float = ARM,
+    size: tuple[float, float, float] = SIZE,
+    color: Color | None = None,
+) -> Thing:
     """A hull in the vehicle's colour, a dark nose and four rotor guards, about its centre.
 
     ``arm`` is the distance from the centre to a rotor, ``size`` that of the box about the whole
-    vehicle along its body axes; metres.
+    vehicle along its body axes; metres. Without a ``color`` its name decides.
     """
-    origin, color = Point(0.0, 0.0, 0.0), color_of(name)
+    origin, color = Point(0.0, 0.0, 0.0), color or color_of(name)
     out = arm / sqrt(2)
     length, _, height = size
     parts = [

@@ -25,9 +25,9 @@ from hal.sim.collision_shapes import (
 from hal.sim.hills import earth, height_field, slowed_above
 from hal.sim.mooring import Mooring
 from hal.sim.movers import Mover
-from hal.sim.physics import GRAVITY, STEP, BodyState, Touch, Triple
+from hal.sim.physics import GRAVITY, STEP, BodyState, Touch, Triple, in_body
 from vencejo.errors import VehicleError
-from vencejo.geometry import Point, Quaternion
+from vencejo.geometry import Point, Quaternion, turned
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
 
 _RAY, _FIXED, _FREE, _RAY_MESH = 1, 2, 4, 8
@@ -277,7 +277,7 @@ class BulletBody:
     def state(self) -> BodyState:
         position, attitude = self._position()
         velocity, turning = self._velocity()
-        return position, attitude, velocity, turning
+        return position, attitude, velocity, in_body(turning, attitude)
 
     def push(self, force: Triple, torque: Triple) -> None:
         axes, client = self._own_axes, self._client
@@ -303,7 +303,7 @@ class BulletBody:
         self.withdrawn = False
         self._set_groups(_FREE, _FIXED | _FREE)
         self._set_pose(position, attitude)
-        self._set_velocity(velocity, turning)
+        self._set_velocity(velocity, turned(turning, attitude))
 
     def keep_above(self, terrain: Terrain) -> None:
         """Before a step: let it not come as deep into the terrain as it could in a hard fall.

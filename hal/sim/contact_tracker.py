@@ -10,6 +10,7 @@ from hal.sim.contact_debouncer import ContactDebouncer
 from hal.sim.model import Model
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Body, BodyState, Physics, Touch, Triple
+from hal.vehicle import PERIOD
 from vencejo.geometry import distance
 
 REST = 0.1
@@ -32,6 +33,8 @@ _PROBE = 0.1
 _LIES = 0.02
 """Most height above an even surface of a vehicle that lies on it, metres."""
 _DIRECTIONS = tuple((cos(k * pi / 8), sin(k * pi / 8)) for k in range(16))
+_FAST = 20.0
+"""Speed above which it can touch anything soon, m/s."""
 _FARTHEST_GROUND = 1000.0
 """Range of the search for the ground below, metres."""
 
@@ -44,9 +47,9 @@ class ContactTracker:
         physics: Physics,
         body: Body,
         model: Model,
-        obstacles: ObstacleHeightGrid | None,
+        obstacles: ObstacleHeightGrid,
     ) -> None:
-        """``obstacles``: where contacts are possible; without it they are looked up always."""
+        """``obstacles``: where contacts with the world are possible."""
         self._physics = physics
         self._body = body
         self._height = model.height
@@ -63,7 +66,11 @@ class ContactTracker:
         self._places: deque[tuple[float, float]] = deque(maxlen=40)
         """Places that hold it up, east and north of the centre of mass, metres, since it rests."""
         self.near_things = True
-        """True when the vehicle can touch a thing in this mission period."""
+        """True when the vehicle can touch a thing or another vehicle in this mission period."""
+        self.near_ground = True
+        """True when it can touch the ground in this mission period."""
+        self.impact = 0.0
+        """Largest speed at which it was hit in this mission period, m/s."""
         self.supported = True
         """True when the vehicle stands, or lies without thrust, on something."""
         self.still = 0
@@ -91,41 +98,50 @@ class ContactTracker:
         hits = self._physics.rays([(x, y, z)], [(x, y, z - 2 * self._height)])
         self.thing = hits.name(0) or ""
 
-    def begin_period(self, state: BodyState, may_stand: bool) -> None:
+    def begin_period(self, state: BodyState, may_stand: bool, others_near: bool) -> None:
         """Begin a mission period.
 
         ``may_stand``: it stands, rises or comes down, and may touch what it can stand on.
+        ``others_near``: it can touch another vehicle.
         """
-        obstacles = self._obstacles
-        self.near_things = obstacles is None or obstacles.thing_near(*state[0])
+        (x, y, z), _, velocity, _ = state
+        u, v, w = velocity
+        thing_near, ground_near = self._obstacles.thing_near, self._obstacles.ground_near
+        then = x + u * PERIOD, y + v * PERIOD, z + w * PERIOD
+        fast = u * u + v * v + w * w > _FAST * _FAST
+        self.near_things = others_near or fast or thing_near(x, y, z) or thing_near(*then)
+        self.near_ground = fast or ground_near(x, y, z) or ground_near(*then)
         self._may_stand = may_stand
         self._touches = ()
-        self._velocity = state[2]
+        self._velocity = velocity
+        self.impact = 0.0
 
     def update(self, state: BodyState) -> None:
         """Read the contacts after a physics step."""
         self._touches = touches = self._body.contacts()
         for touch in touches:
+            closing = self._closing_speed(touch)
+            self.impact = max(self.impact, closing)
             if touch.name:
-                self._collisions.add(touch.name, self._is_hit(touch))
+                may_stand = self._may_stand and not touch.free and touch.normal[2] >= self._level
+                self._collisions.add(touch.name, not may_stand or closing > _SOFT)
         self._velocity = state[2]
 
-    def _is_hit(self, touch: Touch) -> bool:
+    def _closing_speed(self, touch: Touch) -> float:
         nx, ny, nz = touch.normal
-        if not self._may_stand or touch.free or nz < self._level:
-            return True
         vx, vy, vz = self._velocity
         x, y, z = touch.velocity
-        return (x - vx) * nx + (y - vy) * ny + (z - vz) * nz > _SOFT
+        return (x - vx) * nx + (y - vy) * ny + (z - vz) * nz
 
     def end_period(self, state: BodyState, active: bool, thrust: bool) -> None:
         """End a mission period; unless ``active``, support and rest stay as they are."""
-        obstacles = self._obstacles
         if not active:
             if self.near_things:
                 self.update(state)  # hit while it is parked: once a period is enough
-        elif not self.near_things and obstacles and state[0][2] < obstacles.ground:
+        elif not self.near_things and self.near_ground:
             self._touches = self._body.contacts()  # the ground alone: no collision
+            for touch in self._touches:
+                self.impact = max(self.impact, self._closing_speed(touch))
         self._collisions.end_period()
         if active:
             self._update_rest(state, thrust)

@@ -8,10 +8,12 @@ climb and turn rate are limited.
 
 from __future__ import annotations
 
-from math import hypot, inf, sqrt, tan
+from math import exp, hypot, inf, sqrt, tan
 
 from hal.sim.model import Model
-from hal.sim.physics import GRAVITY, BodyState, Triple
+from hal.sim.motion import Axes
+from hal.sim.physics import GRAVITY, STEP, BodyState, Triple
+from hal.sim.rotors import Wrench
 from vencejo.geometry import rotate_xy, wrap, yaw_of
 
 _POSITION_GAIN = 1.8
@@ -22,15 +24,24 @@ _VELOCITY_GAIN = 6.0
 """Proportional gain from velocity error to acceleration, 1/s."""
 _MAX_SINK, _MAX_RISE = -5.0, 6.0
 """Bounds of the vertical acceleration, m/s²."""
-_TILT_GAIN, _TILT_DAMPING = 625.0, 50.0
-"""Gains from tilt error, 1/s², and from angular velocity, 1/s, to angular acceleration: critically
-damped at 25 rad/s."""
+_TILT_RATE = 25.0
+"""Natural frequency of the tilt under ideal rotors, rad/s; critically damped."""
+_MOST_LEAD, _QUICKEST = 2.0, 0.6
+"""Largest feedback of the angular acceleration, and the largest part of a rotor's lag that it may
+make up for in one step."""
+_RIGHTING = 0.3
+"""Share of the largest torque with which it turns over when it is upside down."""
+_OBSERVER = 20.0
+"""Bandwidth of the disturbance observer, 1/s."""
 _YAW_GAIN, _YAW_DECELERATION, _YAW_RATE_GAIN = 3.0, 4.0, 15.0
 """The same three for the heading: position gain, 1/s; deceleration, rad/s²; rate gain, 1/s."""
 _YAW_STOPPED = 0.05
 """Turn rate below which a turn has ended and the heading is held, rad/s."""
+_LEAST_UP = 1.0
+"""Least vertical part of the thrust over the mass, m/s²: without any it has no direction."""
 _LEAST_COSINE = 0.5
 """Cosine of the tilt above which the load factor is no longer increased."""
+_NOTHING = (0.0, 0.0, 0.0)
 _LEAST_THRUST = 1e-6
 """Share of the largest thrust: with none at all its direction, the tilt, would not be defined."""
 
@@ -41,23 +52,27 @@ class Controller:
     Heights are those of the skids, as in everything that the simulator reports.
     """
 
-    __slots__ = (
-        "_center_height", "_damping_x", "_damping_y", "_gain_x", "_gain_y", "_in_heading_frame",
-        "_mass", "_max_thrust", "_max_tilt", "_max_tilt_tan", "_max_tilt_torque",
-        "_max_yaw_torque", "_place", "_target_vx", "_target_vy", "_target_vz", "_target_yaw_rate",
-        "_thrust", "_tilt", "_velocity", "_world_tilt", "_yaw", "_yaw_rate", "_yaw_rate_gain",
-        "acceleration", "height", "max_altitude", "max_climb", "max_speed", "max_yaw_rate",
-        "min_altitude", "noise",
-    )  # fmt: skip
-
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, lag: float = 0.0) -> None:
+        """``lag``: time constant of the rotors, seconds."""
         self._center_height = model.height
         self._mass = model.mass
-        self._max_thrust = model.max_thrust
-        self._max_tilt_torque, self._max_yaw_torque = model.max_torques
+        self.max_thrust = model.max_thrust
+        """Newtons."""
+        self._observes = False
+        """True to estimate, in this mission period, the forces that are not the rotors'."""
+        self._felt = self._felt_before = (0.0, 0.0, 0.0)
+        """Acceleration by those forces, as estimated now and when the mission period began, m/s²,
+        world frame."""
+        self._expected: Triple | None = None
+        """Velocity that the next step is to find without them, m/s."""
         ix, iy, iz = model.inertia
-        self._gain_x, self._damping_x = ix * _TILT_GAIN, ix * _TILT_DAMPING
-        self._gain_y, self._damping_y = iy * _TILT_GAIN, iy * _TILT_DAMPING
+        gain, damping, lead = _tilt_gains(lag)
+        self._gain_x, self._damping_x, self._lead_x = ix * gain, ix * damping, ix * lead / STEP
+        self._gain_y, self._damping_y, self._lead_y = iy * gain, iy * damping, iy * lead / STEP
+        self._righting = _RIGHTING * model.max_torques[0]
+        """Largest torque upside down, where rotors that turn it over push it down, N·m."""
+        self._turning = (0.0, 0.0)
+        """Angular velocity about x and y in the last step, rad/s."""
         self._yaw_rate_gain = iz * _YAW_RATE_GAIN
         self.max_speed = model.max_speed
         self.max_climb = model.max_climb
@@ -122,7 +137,7 @@ class Controller:
         self._in_heading_frame = False
         self._tilt = tan(_clamped(pitch, self.max_tilt)), -tan(_clamped(roll, self.max_tilt))
         if thrust is not None:
-            thrust = max(_LEAST_THRUST, min(1.0, thrust)) * self._max_thrust
+            thrust = max(_LEAST_THRUST, min(1.0, thrust)) * self.max_thrust
         self._thrust = thrust
 
     def stay_over(self, x: float, y: float) -> None:
@@ -193,21 +208,28 @@ class Controller:
             rate = _approach_speed(wrap(self._yaw - yaw), _YAW_GAIN, _YAW_DECELERATION)
         self._target_yaw_rate = max(-self.max_yaw_rate, min(self.max_yaw_rate, rate))
 
-    def step(self, state: BodyState) -> tuple[float, float, float, float]:
-        """Thrust (N) and torques about the body's axes (N·m) for the next physics step."""
-        _, (qx, qy, qz, qw), (vx, vy, vz), (wx, wy, wz) = state
+    def step(self, state: BodyState, axes: Axes) -> Wrench:
+        """The thrust (N) and the torques about the body's axes (N·m) wanted in the next step.
+
+        ``axes`` are those of the state's attitude.
+        """
+        _, _, (vx, vy, vz), (wx, wy, wz) = state
+        r11, r12, r13, r21, r22, r23, r31, r32, r33 = axes
 
         # Velocity → acceleration → the direction and size of the thrust.
         east, north, up = self.acceleration
+        felt_x, felt_y, felt_z = self._observe(vx, vy, vz) if self._observes else self._felt
         up += (self._target_vz - vz) * _VELOCITY_GAIN
-        up = GRAVITY + (_MAX_RISE if up > _MAX_RISE else _MAX_SINK if up < _MAX_SINK else up)
+        up = _MAX_RISE if up > _MAX_RISE else _MAX_SINK if up < _MAX_SINK else up
+        up += GRAVITY - felt_z
+        up = _LEAST_UP if up < _LEAST_UP else up
         tilt = self._world_tilt
         if tilt is None:
-            east += (self._target_vx - vx) * _VELOCITY_GAIN
-            north += (self._target_vy - vy) * _VELOCITY_GAIN
+            east += (self._target_vx - vx) * _VELOCITY_GAIN - felt_x
+            north += (self._target_vy - vy) * _VELOCITY_GAIN - felt_y
         else:
             if self._thrust is not None:
-                up = self._thrust / self._mass * max(_LEAST_COSINE, 1.0 - 2.0 * (qx * qx + qy * qy))
+                up = self._thrust / self._mass * (r33 if r33 > _LEAST_COSINE else _LEAST_COSINE)
             east, north = up * tilt[0], up * tilt[1]
         sideways = sqrt(east * east + north * north)
         most = up * self._max_tilt_tan
@@ -216,34 +238,87 @@ class Controller:
             north *= most / sideways
             sideways = most
 
-        # The body's axes in the world: (r11, r21, r31) is its x, (r13, r23, r33) its z.
-        xx, yy, zz = 2.0 * qx * qx, 2.0 * qy * qy, 2.0 * qz * qz
-        xy, xz, yz = 2.0 * qx * qy, 2.0 * qx * qz, 2.0 * qy * qz
-        xw, yw, zw = 2.0 * qx * qw, 2.0 * qy * qw, 2.0 * qz * qw
-        r11, r21, r31 = 1.0 - yy - zz, xy + zw, xz - yw
-        r12, r22, r32 = xy - zw, 1.0 - xx - zz, yz + xw
-        r33 = 1.0 - xx - yy
-
         thrust = self._mass * up / (r33 if r33 > _LEAST_COSINE else _LEAST_COSINE)
-        if thrust > self._max_thrust:  # noqa: PLR1730 - min() takes thrice as long
-            thrust = self._max_thrust
+        thrust = self.max_thrust if thrust > self.max_thrust else thrust
 
         # Tilt → torques: turn the body's z into the thrust's direction, here in the body's axes.
         size = sqrt(sideways * sideways + up * up)
         direction_x = (r11 * east + r21 * north + r31 * up) / size
         direction_y = (r12 * east + r22 * north + r32 * up) / size
-        tx = -self._gain_x * direction_y - self._damping_x * (r11 * wx + r21 * wy + r31 * wz)
-        ty = self._gain_y * direction_x - self._damping_y * (r12 * wx + r22 * wy + r32 * wz)
-        limit = self._max_tilt_torque
-        tx = limit if tx > limit else -limit if tx < -limit else tx
-        ty = limit if ty > limit else -limit if ty < -limit else ty
+        limit = inf
+        if r33 < 0.0:
+            thrust, limit = 0.0, self._righting
+            across = hypot(direction_x, direction_y)
+            direction_x, direction_y = (
+                (direction_x / across, direction_y / across) if across else (1.0, 0.0)
+            )
+        push = thrust / self._mass * STEP
+        self._expected = vx + r13 * push, vy + r23 * push, vz + r33 * push - GRAVITY * STEP
+        last_x, last_y = self._turning
+        self._turning = wx, wy
+        tx = -self._gain_x * direction_y - self._damping_x * wx - self._lead_x * (wx - last_x)
+        ty = self._gain_y * direction_x - self._damping_y * wy - self._lead_y * (wy - last_y)
+        return (
+            thrust,
+            limit if tx > limit else -limit if tx < -limit else tx,
+            limit if ty > limit else -limit if ty < -limit else ty,
+            self._yaw_rate_gain * (self._target_yaw_rate - wz),
+        )
 
-        # Turn rate → torque about the body's z.
-        turning = (xz + yw) * wx + (yz - xw) * wy + r33 * wz
-        tz = self._yaw_rate_gain * (self._target_yaw_rate - turning)
-        limit = self._max_yaw_torque
-        tz = limit if tz > limit else -limit if tz < -limit else tz
-        return thrust, tx, ty, tz
+    def _observe(self, vx: float, vy: float, vz: float) -> Triple:
+        """The acceleration by forces that are not the rotors', m/s², world frame.
+
+        A disturbance observer: the difference between the velocity that came and the one that was
+        expected, through a first-order low-pass (K. Ohnishi, M. Shibata, T. Murakami, *Motion
+        control for advanced mechatronics*, IEEE/ASME Trans. Mechatronics 1996).
+        """
+        if self._expected is None:
+            return self._felt
+        x, y, z = self._expected
+        a, b, c = self._felt
+        self._felt = felt = (
+            a + (vx - x - a * STEP) * _OBSERVER,
+            b + (vy - y - b * STEP) * _OBSERVER,
+            c + (vz - z - c * STEP) * _OBSERVER,
+        )
+        return felt
+
+    def observe(self, on: bool) -> None:
+        """Begin a mission period with observation, or discard that of the last one.
+
+        The forces of a contact end with it: they are nothing to make up for.
+        """
+        if on:
+            self._felt_before = self._felt
+        else:
+            self._felt = self._felt_before
+        self._observes = on
+
+    def forget(self) -> None:
+        """Forget what has been observed, since something else acts on the vehicle now."""
+        self._felt = self._felt_before = _NOTHING
+        self._expected, self._turning = None, (0.0, 0.0)
+
+
+def _tilt_gains(lag: float) -> tuple[float, float, float]:
+    """The gains from tilt error, 1/s², angular velocity, 1/s, and angular acceleration, 1, to
+    angular acceleration.
+
+    Feedback m of the angular acceleration makes a rotor's lag 1 + m times as short (as incremental
+    nonlinear dynamic inversion does: E. Smeur et al., *Adaptive incremental nonlinear dynamic
+    inversion*, JGCD 2016), as far as the steps allow. Behind the lag T that is left the tilt is of
+    third order, T·s³ + s² + d·s + k. Its poles are placed at -w and, with a damping ratio of 0.7,
+    at the natural frequency w, which makes w = 1/(2.4·T), d = w and k = w²/2.4; where that is more
+    than under ideal rotors, d = 2·w and k = w².
+    """
+    gain, damping = _TILT_RATE * _TILT_RATE, 2.0 * _TILT_RATE
+    if lag == 0.0:
+        return gain, damping, 0.0
+    lead = max(0.0, min(_MOST_LEAD, _QUICKEST / (1.0 - exp(-STEP / lag)) - 1.0))
+    rate = (1.0 + lead) / (2.4 * lag)
+    if rate < damping:
+        gain, damping = rate * rate / 2.4, rate
+    return gain * (1.0 + lead), damping * (1.0 + lead), lead
 
 
 def _clamped(value: float, most: float) -> float:

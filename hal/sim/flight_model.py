@@ -12,6 +12,8 @@ RETURN_HEIGHT = 5.0
 """Least height above home of a return, metres."""
 ACCELERATION = 1.5
 """With which legs are begun and ended, m/s²: that of the behaviours, on average."""
+SMOOTHING = 0.6
+"""Time by which a leg takes longer since it begins and ends smoothly, seconds."""
 
 
 def leg_charge(begin: Point, end: Point, speed: float | None, stay: float) -> float:
@@ -28,7 +30,7 @@ def leg_charge(begin: Point, end: Point, speed: float | None, stay: float) -> fl
     climbing = ARDRONE2.max_climb * length / rise if rise else inf
     reached = min(over_ground, climbing, speed or inf, sqrt(length * ACCELERATION))
     # A begin and an end at a steady acceleration take as long again as the way they shorten.
-    return (length / reached + reached / ACCELERATION + stay) / ARDRONE2.endurance
+    return (length / reached + reached / ACCELERATION + SMOOTHING + stay) / ARDRONE2.endurance
 
 
 FLIGHT_MODEL = FlightModel(leg_charge, RETURN_HEIGHT, PROFILES)

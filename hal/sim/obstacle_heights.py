@@ -10,6 +10,7 @@ from typing import NamedTuple
 from vencejo.geometry import Point
 from worlds.motion import track_of
 from worlds.solids import bounds_of, part_pose, solid_parts
+from worlds.terrain import highest_under
 from worlds.things import Terrain, Thing
 
 _CELL = 2.0
@@ -27,8 +28,11 @@ class ObstacleHeightGrid:
     """
 
     def __init__(self, things: Iterable[Thing], terrain: Terrain | None) -> None:
-        self.ground = _MARGIN + (max(map(max, terrain.heights)) if terrain else 0.0)
-        """Height below which a vehicle can touch the ground, metres."""
+        self._terrain = terrain
+        self._highest = _MARGIN + (max(map(max, terrain.heights)) if terrain else 0.0)
+        """Height above which no vehicle touches the ground, metres."""
+        self._ground: dict[tuple[int, int], float] = {}
+        """The same in the cells that have been asked for."""
         self._everywhere = -inf
         self._tops: dict[tuple[int, int], float] = {}
         for thing in things:
@@ -49,6 +53,21 @@ class ObstacleHeightGrid:
     def thing_near(self, x: float, y: float, z: float) -> bool:
         """Whether a vehicle at a place can touch a thing in this mission period."""
         return z < self._tops.get((int(x // _CELL), int(y // _CELL)), self._everywhere)
+
+    def ground_near(self, x: float, y: float, z: float) -> bool:
+        """Whether a vehicle at a place can touch the ground in this mission period."""
+        if z >= self._highest:
+            return False
+        if self._terrain is None:
+            return True
+        cell = int(x // _CELL), int(y // _CELL)
+        top = self._ground.get(cell)
+        if top is None:
+            middle = Point((cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL, 0.0)
+            side = _CELL + 2 * _MARGIN
+            top = _MARGIN + highest_under(self._terrain, middle, 0.0, (side, side, 0.0))
+            self._ground[cell] = top
+        return z < top
 
 
 class _Obstacle(NamedTuple):

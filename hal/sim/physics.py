@@ -16,8 +16,8 @@ GRAVITY = 9.80665
 
 Triple = tuple[float, float, float]
 BodyState = tuple[Triple, Quaternion, Triple, Triple]
-"""Position of the centre of mass (m), attitude (x, y, z, w), velocity (m/s), angular velocity
-(rad/s); world frame."""
+"""Position of the centre of mass (m), attitude (x, y, z, w), velocity (m/s), in the world frame;
+angular velocity along the body's own axes (rad/s)."""
 
 
 class Touch(NamedTuple):

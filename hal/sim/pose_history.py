@@ -30,7 +30,7 @@ class PoseHistory:
             at = Point(*at).plus((velocity[0] * offset, velocity[1] * offset, velocity[2] * offset))
             x, y, z = (rate * offset / 2 for rate in turning)
             # A small turn: its quaternion's length differs from 1 by less than a thousandth.
-            attitude = product((x, y, z, 1.0), attitude)
+            attitude = product(attitude, (x, y, z, 1.0))
             length = sum(part * part for part in attitude) ** 0.5
             qx, qy, qz, qw = attitude
             attitude = qx / length, qy / length, qz / length, qw / length

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
 from types import MappingProxyType
 
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
 from hal.sim.battery import Battery
+from hal.sim.contact_tracker import ContactTracker
+from hal.sim.dynamics import STEPS_PER_PERIOD, Dynamics
 from hal.sim.model import ARDRONE2
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
@@ -16,12 +19,21 @@ from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.rangefinder import SimRangefinder
 from hal.sim.settings import plain_settings, read_settings
 from hal.sim.starts import start_poses
-from hal.sim.vehicle import STEPS_PER_PERIOD, SimVehicle
+from hal.sim.vehicle import SimVehicle
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
 from worlds.world import World
+
+
+def find_near(vehicles: Sequence[SimVehicle]) -> None:
+    """Tell each vehicle whether it can touch another in the next mission period."""
+    for vehicle in vehicles:
+        vehicle.others_near = False
+    for one, other in combinations(vehicles, 2):
+        if one.dynamics.can_meet(other.dynamics):
+            one.others_near = other.others_near = True
 
 
 class SimSession:
@@ -36,6 +48,7 @@ class SimSession:
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
         alone = len(options.vehicles) == 1
+        self._has_movers = any(thing.motion is not None for thing in world.things)
         self._physics: Physics | None = physics
         self._engine = physics.name
         self._settings = plain_settings(settings)
@@ -43,27 +56,31 @@ class SimSession:
         origin = world.origin
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
         self._count = 0
-        self._all = [
-            SimVehicle(
+        self._all: list[SimVehicle] = []
+        for spec, start in zip(options.vehicles, starts, strict=True):
+            name = spec.name
+            dynamics = Dynamics(name, physics, model, settings.physics, start)
+            vehicle = SimVehicle(
                 name,
-                physics,
+                dynamics,
                 model=model,
-                start=start,
+                home=start.home,
                 battery=Battery(model.battery, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
-                obstacles=obstacles if alone else None,
+                contacts=ContactTracker(physics, dynamics.body, model, obstacles),
             )
-            for name, start in zip(options.vehicles, starts, strict=True)
-        ]
-        self._drives = [vehicle.drive for vehicle in self._all]
-        self._senses = [vehicle.sense for vehicle in self._all]
+            self._all.append(vehicle)
+        self._senses: list[Callable[[], None]] = []
+        """The calls of the sensors after each physics step."""
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle in self._all:
+        for vehicle, spec in zip(self._all, options.vehicles, strict=True):
             name = vehicle.name
-            context.pose_histories[name] = vehicle.pose_history
-            context.appearances[name] = quadrotor(name, arm=model.rotors.arm, size=model.size)
+            context.pose_histories[name] = vehicle.dynamics.pose_history
+            context.appearances[name] = quadrotor(
+                name, arm=model.rotors.arm, size=model.size, color=spec.color
+            )
             context.lamps[name] = vehicle.lamps
             if not alone:
                 height = model.size[2]
@@ -73,7 +90,7 @@ class SimSession:
                 for camera, spec in settings.cameras.items()
             }
             sensors = {
-                sensor: SimRangefinder(spec, physics, vehicle.pose_history)
+                sensor: SimRangefinder(spec, physics, vehicle.dynamics.pose_history)
                 for sensor, spec in settings.sensors.items()
             }
             vehicle.fit(cameras, sensors)
@@ -103,21 +120,34 @@ class SimSession:
         """Advance by one mission period, six physics steps. Raises VehicleError when closed."""
         if self._physics is None:
             raise VehicleError("closed", "the simulator is closed")
-        vehicles, step = self._all, self._physics.step
-        drives, senses = self._drives, self._senses
+        vehicles = self._all
+        if len(vehicles) > 1:
+            find_near(vehicles)
         for vehicle in vehicles:
             vehicle.plan()
-        for _ in range(STEPS_PER_PERIOD):
-            for drive in drives:
-                drive()
-            step()
-            for sense in senses:
-                sense()
+        free = all(vehicle.dynamics.free for vehicle in vehicles)
+        if free and not self._senses and not self._has_movers:
+            for vehicle in vehicles:
+                vehicle.dynamics.fly()
+        else:
+            self._step_by_step(self._physics.step)
         self._count += 1
         time = self._count / PERIODS_PER_SECOND
         for vehicle in vehicles:
             vehicle.update(time)
         return PERIOD
+
+    def _step_by_step(self, step: Callable[[], None]) -> None:
+        """Make the physics steps of a mission period with all vehicles side by side."""
+        vehicles, senses = self._all, self._senses
+        for _ in range(STEPS_PER_PERIOD):
+            for vehicle in vehicles:
+                vehicle.dynamics.drive()
+            step()
+            for vehicle in vehicles:
+                vehicle.sense()
+            for sense in senses:
+                sense()
 
     def _steps(self) -> int:
         """Number of physics steps made."""

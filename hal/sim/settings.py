@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from math import isfinite
 
 from hal.renderers import check_renderer
+from hal.sim.effects import Effects, plain_effects, read_effects
 from hal.sim.sensors.camera_spec import (
     DEFAULT_CAMERAS,
     CameraSpec,
@@ -15,8 +16,9 @@ from hal.sim.sensors.camera_spec import (
 )
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
+from worlds.wind import read_wind
 
-_KNOWN = ("noise", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,10 @@ class Settings:
 
     noise: float
     """Factor of the command noise, 0 for none."""
+    physics: Effects
+    """The effects that are computed."""
+    wind: str | None
+    """A wind as it is written (see :mod:`worlds.wind`); None for the world's."""
     cameras: Mapping[str, CameraSpec]
     """Name → camera, the same for every vehicle."""
     sensors: Mapping[str, RangefinderSpec]
@@ -56,8 +62,13 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     shadows = given.get("shadows", False)
     if not isinstance(shadows, bool):
         raise UserError("bad-setting", f"'shadows' must be true or false, not {shadows!r}")
+    physics = given.get("physics", "real")
+    if not isinstance(physics, str):
+        raise UserError("bad-setting", f"'physics' is a text such as 'real', not {physics!r}")
     return Settings(
         float(noise),
+        read_effects(physics),
+        _checked_wind(given.get("wind")),
         read_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
@@ -65,11 +76,23 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     )
 
 
+def _checked_wind(wind: object) -> str | None:
+    if wind is None:
+        return None
+    if not isinstance(wind, str):
+        message = f"'wind' is a text such as '5 m/s@270 deg', not {wind!r}"
+        raise UserError("bad-setting", message)
+    read_wind(wind, "wind")
+    return wind
+
+
 def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
     without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
     return {
         "noise": settings.noise,
+        "physics": plain_effects(settings.physics),
+        "wind": settings.wind,
         "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,

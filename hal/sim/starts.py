@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
+from hal.vehicle import VehicleSpec
 from vencejo.errors import UserError
 from vencejo.geometry import Point
-from worlds.solids import thing_near
-from worlds.terrain import height_at, highest_under
+from worlds.starts import PlannedStart, bad_starts, overlapping, starts_for
+from worlds.terrain import highest_under
 from worlds.things import Terrain
-from worlds.world import Start, World
-
-_ABREAST = 2.0
-"""Distance along x between vehicles for which the world has no start of its own, metres."""
+from worlds.world import World
 
 
 class StartPose(NamedTuple):
@@ -26,38 +25,29 @@ class StartPose(NamedTuple):
 
 
 def start_poses(
-    world: World, names: tuple[str, ...], size: tuple[float, float, float]
+    world: World, vehicles: Sequence[VehicleSpec], size: tuple[float, float, float]
 ) -> list[StartPose]:
-    """The start pose of each vehicle: the world's starts, then further ones beside the last.
+    """The start pose of each vehicle (see :func:`worlds.starts.starts_for`).
 
     ``size``: of the vehicles along their axes. Raises UserError (``bad-vehicles``,
-    ``start-in-thing``).
+    ``start-in-thing``, ``start-in-ground``, ``starts-overlap``).
     """
+    names = [vehicle.name for vehicle in vehicles]
     if not names or len(set(names)) != len(names):
-        raise UserError("bad-vehicles", f"vehicles need names that differ, not {list(names)}")
+        raise UserError("bad-vehicles", f"vehicles need names that differ, not {names}")
+    starts = starts_for(world, [vehicle.start for vehicle in vehicles])
+    planned = [
+        PlannedStart(start, None, f"'{name}'") for name, start in zip(names, starts, strict=True)
+    ]
     terrain = world.ground.terrain
-    starts = list(world.starts[: len(names)])
-    while len(starts) < len(names):
-        starts.append(_beside(starts[-1], terrain))
-    for name, start in zip(names, starts, strict=True):
-        thing = thing_near(world.things, start.at)
-        if thing is not None:
-            raise UserError(
-                "start-in-thing",
-                f"'{name}' would start in the {thing.kind} '{thing.name}' of '{world.name}'",
-                hint=f"give the world {len(names)} starts",
-            )
+    faults = list(bad_starts(planned, world.things, terrain))
+    faults += overlapping(planned, max(size[:2]), size[2])
+    if faults:
+        raise UserError.of(faults)
     return [
         StartPose(at, heading, _raised(terrain, at, heading, size))
         for at, heading in ((start.at, start.heading) for start in starts)
     ]
-
-
-def _beside(start: Start, terrain: Terrain | None) -> Start:
-    """A start beside another, as high above the ground."""
-    x, y, z = start.at
-    above = z - height_at(terrain, x, y)
-    return Start(Point(x + _ABREAST, y, height_at(terrain, x + _ABREAST, y) + above), start.heading)
 
 
 def _raised(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf
+from math import cos, inf
 
 from hal.base import BaseVehicle, not_to_be_swapped
 from hal.lights import Lights, Rgb
@@ -11,15 +11,10 @@ from hal.limits import Limits
 from hal.orders import DONE, UNDER_WAY, Decision, refused
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import REST, ContactTracker
-from hal.sim.control import Controller
+from hal.sim.dynamics import Dynamics
 from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.model import Model
 from hal.sim.noise import CommandNoise
-from hal.sim.obstacle_heights import ObstacleHeightGrid
-from hal.sim.physics import BodyState, Physics, in_body
-from hal.sim.pose_history import PoseHistory
-from hal.sim.rotor_power import rotor_power
-from hal.sim.starts import StartPose
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
     ACCEPTED,
@@ -35,15 +30,13 @@ from hal.vehicle import (
     VehicleEvent,
     Velocity,
 )
-from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of, yaw_quaternion
+from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of
 
 _ORIGIN = Point(0.0, 0.0, 0.0)
-STEPS_PER_PERIOD = 6
-"""Physics steps in a mission period."""
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap"}
+    | {"battery", "battery.swap", "wind"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -53,6 +46,8 @@ _TOUCHDOWN_SPEED = 0.3
 """Least descent of a landing, m/s; above 0.3 m it is 1/s times the height above ground."""
 _CLEAR = 0.5
 """Height by which it rises from what it does not stand on, metres."""
+_OVER = 20
+"""Mission periods of lying on its back or a side, half a second, after which its motors stop."""
 _MAY_STAND = ("landed", "taking-off", "landing")
 """Modes in which it may touch what it can stand on; in the others that is a collision."""
 
@@ -64,18 +59,21 @@ class SimVehicle(BaseVehicle):
     when it stands on the ground.
     """
 
+    estimated_wind = _ORIGIN
+    """The wind that it observes, world frame, m/s."""
+
     def __init__(
         self,
         name: str,
-        physics: Physics,
+        dynamics: Dynamics,
         *,
         model: Model,
-        start: StartPose,
+        home: Point,
         battery: Battery,
         noise: CommandNoise,
-        obstacles: ObstacleHeightGrid | None,
+        contacts: ContactTracker,
     ) -> None:
-        """``obstacles``: where contacts are possible; without it they are looked up always."""
+        """``home``: the place of its start."""
         super().__init__(
             name,
             {
@@ -93,39 +91,34 @@ class SimVehicle(BaseVehicle):
         )
         self.profiles = model.profiles
         self._model = model
-        self._body = physics.add_body(
-            model.mass,
-            model.inertia,
-            model.size,
-            (start.home.x, start.home.y, start.home.z + start.raised + model.height),
-            yaw_quaternion(start.heading),
-            name,
-        )
-        self._state: BodyState = self._body.state()
-        self.pose_history = PoseHistory()
-        self._add_pose = self.pose_history.append
-        self._add_pose(self._state)
+        self.dynamics = dynamics
+        self._state = dynamics.state
+        """At the end of the last mission period."""
         self.capabilities = CAPABILITIES
         self.cameras: Mapping[str, Camera] = {}
         self.sensors: Mapping[str, Sensor] = {}
-        self._controller = Controller(model)
-        self._control, self._push, self._read_state = (
-            self._controller.step,
-            self._body.push,
-            self._body.state,
-        )
-        """The calls of each physics step, looked up once."""
-        self._motors_run = self._may_touch = False
+        self._controller = dynamics.controller
+        self.others_near = False
+        """True when it can touch another vehicle in this mission period."""
+        self._may_touch = False
+        """True when it can touch a thing in this mission period."""
+        self._motors_run = False
         """In this mission period."""
+        self._over = 0
+        """Mission periods since it lies on its back or a side."""
+        self._crash = ""
+        """Why its rotors stand still; empty where they can turn."""
+        self._crashed: VehicleEvent | None = None
+        """What of that is told in this mission period."""
         self._battery = battery
         self._noise = noise
-        self._contacts = ContactTracker(physics, self._body, model, obstacles)
+        self._contacts = contacts
         self._touchdown = Touchdown(self._contacts, model)
         self._unstable = False
         """True when it found in this period that it does not stand where it came down."""
         if battery.chargers:
             self._contacts.look_below(self._state)
-        self._home = start.home
+        self._home = home
         self._time = 0.0
         self._mode = "landed"
         self._armed = False
@@ -138,8 +131,6 @@ class SimVehicle(BaseVehicle):
         """True until the vehicle has come to rest, where it then holds its position."""
         self._climb_height = 0.0
         """Height to which a take-off or a return climbs, world frame, metres."""
-        self._thrust_sum = 0.0
-        """Sum of the thrust over the steps of the period, newtons."""
         self._last_feed_forward: Point | None = None
         """Feed-forward velocity of the last period's set-point, m/s."""
         self._feed_forward: Point | None = None
@@ -166,7 +157,7 @@ class SimVehicle(BaseVehicle):
                 Point(*velocity),
                 attitude,
                 wrap(yaw_of(attitude)),
-                in_body(turning, attitude),
+                Point(*turning),
                 self._battery.charge,
                 self._armed,
                 not self._contacts.supported,
@@ -179,7 +170,8 @@ class SimVehicle(BaseVehicle):
                 "the motors are stopped" if stopped else "",
                 0,
                 _ORIGIN,
-                self._events(touched) if touched or self._unstable else (),
+                self._events(touched) if touched or self._unstable or self._crashed else (),
+                self.estimated_wind,
             )
         )
 
@@ -187,6 +179,8 @@ class SimVehicle(BaseVehicle):
         events = [VehicleEvent("vehicle.collision", {"thing": thing}) for thing in touched]
         if self._unstable:
             events.append(VehicleEvent("vehicle.unstable", {"thing": self._below()}))
+        if self._crashed:
+            events.append(self._crashed)
         return tuple(events)
 
     def _below(self) -> str:
@@ -209,6 +203,8 @@ class SimVehicle(BaseVehicle):
             problems += ("the battery is empty",)
         if self._mode == "stopped":
             problems += ("the motors were stopped in the air",)
+        if self._crash:
+            problems += (self._crash,)
         qx, qy, _, _ = self._state[1]
         if self._contacts.supported and 1 - 2 * (qx * qx + qy * qy) < 0.8:
             problems += ("the vehicle does not stand upright",)
@@ -283,6 +279,8 @@ class SimVehicle(BaseVehicle):
 
     def _decide_reset(self) -> Decision:
         # An emergency ends by itself once the vehicle rests, unless it lies on its back.
+        if self._mode == "landed":
+            self._crash = ""
         health = self._health()
         return refused(", ".join(health)) if health or self._mode != "landed" else DONE
 
@@ -305,7 +303,7 @@ class SimVehicle(BaseVehicle):
 
     def _enter(self, mode: str) -> None:
         self._mode = mode
-        self._body.moor(mode == "landed")
+        self.dynamics.body.moor(mode == "landed")
         self._contacts.restart_rest()
         self._touchdown.restart()
         self._holding = False
@@ -427,52 +425,74 @@ class SimVehicle(BaseVehicle):
             raise Unavailable(f"the vehicle '{self.name}' has no sensor '{name}' (it has: {known})")
         return self.sensors[name]
 
-    # A mission period is `plan`; six times `drive`, the engine's step and `sense`; then `update`.
+    # A mission period is `plan`; six steps of the dynamics, each with `sense`; then `update`.
 
     def plan(self) -> None:
         """Begin a mission period: carry out orders and set-points, and plan the control."""
         self.begin_period()
-        self._controller.plan(self._state)
-        self._contacts.begin_period(self._state, self._mode in _MAY_STAND)
-        landed = self._mode == "landed"
+        state, contacts, dynamics = self._state, self._contacts, self.dynamics
+        self._controller.plan(state)
+        contacts.begin_period(state, self._mode in _MAY_STAND, self.others_near)
+        landed, active = self._mode == "landed", self._is_active()
         self._motors_run = self._armed and not landed and not self._touchdown.idle
         if landed:
-            self._body.moor(True)
-        self._may_touch = self._contacts.near_things and self._is_active()
-
-    def drive(self) -> None:
-        """Apply thrust and torques for the next physics step."""
+            dynamics.body.moor(True)
+        free = active and not contacts.near_things and not contacts.near_ground
+        self._may_touch = contacts.near_things and active
+        dynamics.begin_period(free=free, motors_run=self._motors_run, supported=contacts.supported)
         if self._motors_run:
-            thrust, x, y, z = self._control(self._state)
-            self._thrust_sum += thrust
-            self._push((0.0, 0.0, thrust), (x, y, z))
+            above = inf if free else contacts.height_above_ground(state) + self._model.height
+            voltage = self._battery.voltage / self._model.battery.full
+            dynamics.set_air(voltage=voltage, height=above, touched=contacts.clear == 0)
 
     def sense(self) -> None:
         """Read the state and the contacts after a physics step."""
-        self._state = state = self._read_state()
-        self._add_pose(state)
+        self.dynamics.sense()
         if self._may_touch:
-            self._contacts.update(state)
+            self._contacts.update(self.dynamics.state)
 
     def _is_active(self) -> bool:
         return self._armed or self._mode != "landed"
 
     def update(self, time: float) -> None:
         """End the mission period at ``time``: update the mode, and make the observation."""
-        self._time = time
+        self._time, self._state = time, self.dynamics.state
         self._last_feed_forward, self._feed_forward = self._feed_forward, None
         self._controller.acceleration = (0.0, 0.0, 0.0)
-        power = rotor_power(self._model.rotors, self._thrust_sum / STEPS_PER_PERIOD)
-        self._battery.drain(self._model.battery.standby + power, PERIOD)
-        self._thrust_sum = 0.0
+        self._battery.drain(self.dynamics.power(self._armed), PERIOD)
         if self._battery.chargers and self._mode == "landed" and not self._armed:
             self._battery.charge_on(self._contacts.thing, PERIOD)
         active = self._is_active()
         self._contacts.end_period(self._state, active, self._motors_run)
         self._unstable = False
+        self._crashed = None
         if active:
             self._update_mode()
+            self._look_for_crash()
         self.end_period(self._observed())
+
+    def _look_for_crash(self) -> None:
+        """Stop the motors of a vehicle that was hit too hard, or that lies on its back."""
+        if not self.dynamics.effects.crashes or not self._armed:
+            return
+        impact, thing = self._contacts.impact, self._below()
+        if impact > self._model.withstands:
+            self._tell_crash(f"a rotor was stopped by the {thing}", impact)
+        elif self._lies_over():
+            self._tell_crash(f"it has capsized on the {thing}", impact)
+
+    def _lies_over(self) -> bool:
+        """Whether it has lain, leaning further than its thrust could ever lift it, for a while."""
+        x, y, _, _ = self._state[1]
+        leans = 1 - 2 * (x * x + y * y) < cos(self._model.steepest)
+        self._over = self._over + 1 if leans and self._contacts.clear == 0 else 0
+        return self._over >= _OVER
+
+    def _tell_crash(self, reason: str, speed: float) -> None:
+        self._crash, self._over = reason, 0
+        facts = {"thing": self._below(), "speed": speed, "reason": reason}
+        self._crashed = VehicleEvent("vehicle.crashed", facts)
+        self._stop_motors(reason)
 
     def _update_mode(self) -> None:
         noise = self._noise.next()

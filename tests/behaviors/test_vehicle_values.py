@@ -23,6 +23,7 @@ ON_GROUND = {
     "mode": "landed",
     "authority": "mission",
     "home": "(-10.00, -5.00, 0.00)",
+    "wind": "(3.00, -4.00, 0.00)",
 }
 IN_FLIGHT = {
     # Of the period of 25 ms before, at 2 m/s to the north and 1 m/s up.
@@ -37,6 +38,7 @@ IN_FLIGHT = {
     "mode": "flying",
     "authority": "mission",
     "home": "(-10.00, -5.00, 0.00)",
+    "wind": "(3.00, -4.00, 0.00)",
 }
 
 
@@ -45,6 +47,7 @@ def reporting(names: tuple[str, ...]) -> Rig:
     session = FakeSession()
     vehicle = session.vehicles["drone"]
     vehicle.position, vehicle.yaw, vehicle.battery = Point(10.0, 5.0, 0.0), pi / 2, 0.75
+    vehicle.estimated_wind = Point(3.0, -4.0, 0.0)
     text = "; ".join(f"${{vehicle.{name}}}" for name in names)
     return Rig(
         "mission: report\nevents: {report.wanted: {}}\n"
@@ -99,6 +102,8 @@ def test_the_mode_is_the_vehicle_s_own_word(state: str, mode: str) -> None:
     ("condition", "state"),
     [
         ("vehicle.velocity.z > 0.9", "takeoff"),
+        ("vehicle.velocity.z > 0.9 m/s", "takeoff"),
+        ("vehicle.wind.y < -3 m/s and hypot(vehicle.wind.x, vehicle.wind.y) > 4 m/s", "fly"),
         ("vehicle.speed > 1.9 m/s", "takeoff"),
         ("vehicle.armed", "takeoff"),
         ("vehicle.flying", "takeoff"),
@@ -113,6 +118,7 @@ def test_conditions_wait_for_them(condition: str, state: str) -> None:
     """Each becomes true in the state that makes it so, and not before."""
     session = FakeSession()
     session.vehicles["drone"].yaw = pi / 2
+    session.vehicles["drone"].estimated_wind = Point(0.0, -2.0, 0.0)
     rig = Rig(
         "mission: conditions\nstates:\n"
         f'  flight:\n    when: {{"{condition}": seen}}\n    states:\n'
@@ -127,5 +133,17 @@ def test_conditions_wait_for_them(condition: str, state: str) -> None:
     rig.until_in(f"flight.{state}")
     rig.run(0.5)
     rig.vehicle.battery = 0.4 if state == "fly" else 1.0
+    if state == "fly":
+        rig.vehicle.estimated_wind = Point(3.0, -4.0, 0.0)
     rig.until_in("seen")
     assert rig.states[-2] == f"flight.{state}"
+
+
+def test_a_vehicle_that_estimates_no_wind_says_so() -> None:
+    rig = reporting(("wind",))
+    rig.vehicle.estimated_wind = None
+    rig.run(0.1)
+    rig.pilot.instance.post("report.wanted")
+    rig.period()
+    (message,) = [fields["message"] for kind, fields in rig.records if kind == "error"]
+    assert message == "log: this vehicle does not estimate the wind"

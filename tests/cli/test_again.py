@@ -107,8 +107,9 @@ def test_a_run_with_all_its_settings_is_repeated_to_the_last_byte(write: Write) 
     cv2.imwrite("pictures/grass.png", np.full((8, 8, 3), 90, np.uint8))
     given = ("--seed", "5", "--noise", "1", "--cameras", "cams.yaml", "--camera", "ventral:off")
     limits = ("--limit", "indoor", "--limit", "max_speed=80cm/s", "--shadows", "--call-limit", "9s")
+    wind = ("--wind", "2m/s@270deg,turbulence=light")
     values = ("-p", "side=[2, 1]", "-p", "word=$x: y", "-p", "height=1.2m")
-    result = run_cli("run", "missions/all.yaml", *given, *limits, *values)
+    result = run_cli("run", "missions/all.yaml", *given, *limits, *wind, *values)
     assert result.code == 0, result.err
     folder = only("runs")
     settings = header(folder)["settings"]
@@ -119,6 +120,7 @@ def test_a_run_with_all_its_settings_is_repeated_to_the_last_byte(write: Write) 
     assert (settings["profile"], settings["limits"]) == ("indoor", {"max_speed": 0.8})
     assert (settings["call_limit"], settings["renderer"]) == (9.0, "raster")
     assert settings["cameras"]["ventral"] is None
+    assert settings["wind"] == wind[1]
     assert settings["cameras"]["back"]["width"] == 320  # a default
     assert settings["parameters"]["word"] == "$x: y"
     assert set(settings["parameters"]) == {"height", "side", "corners", "word"}

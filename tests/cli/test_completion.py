@@ -88,6 +88,13 @@ def test_parameters_of_the_mission(
     assert complete("run wrong.yaml -p ") == {"reach=": "3 m"}
 
 
+def test_parameters_of_the_vehicles_of_a_fleet(complete: Callable[..., dict[str, str]]) -> None:
+    found = complete("run handover -p ")
+    assert found["sentry.side="] == "length of the square's sides"
+    assert found["relief.rounds="] == "rounds to fly"
+    assert [*complete("run handover -p relief.s")] == ["relief.speed="]
+
+
 def test_worlds(complete: Callable[..., dict[str, str]], folder: Path) -> None:
     for line in ("run first_flight --world ", "check --world ", "show --world ", "worlds "):
         found = {*complete(line)}

@@ -61,19 +61,6 @@ def test_faults_of_an_included_file_have_its_place(write: Write, tmp_path: Path)
     assert "parts/wait.yaml:3:59: error: the name 'pose' is unknown" in result.err
 
 
-def test_a_fleet_is_checked_and_does_not_fly(write: Write, tmp_path: Path) -> None:
-    written(write, tmp_path)
-    fleet = write("two.yaml", FLEET)
-    checked = run_cli("check", fleet)
-    assert (checked.code, checked.out) == (
-        0,
-        f"{fleet}: a fleet without mistakes, 14 states\n",
-    )
-    flown = run_cli("run", fleet)
-    assert flown.code == 2
-    assert "fleets do not fly yet" in flown.err
-
-
 def test_a_fleet_tells_the_faults_of_its_missions_once(write: Write, tmp_path: Path) -> None:
     written(write, tmp_path)
     write("m.yaml", MISSION.replace("done: over", "done: ower"))

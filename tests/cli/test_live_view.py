@@ -40,7 +40,8 @@ class Watch:
         self.speed = speed
         self.terminal = terminal
         self.wall = 0.0
-        self.view = LiveView(terminal.console, plan.world, speed, lambda: self.wall)
+        names = list(plan.assignments)
+        self.view = LiveView(terminal.console, plan.world, speed, lambda: self.wall, vehicles=names)
         self.looks: dict[float, Callable[[], None]] = {}
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
@@ -262,18 +263,40 @@ def test_a_flight_that_fails_leaves_the_terminal_as_it_was(tmp_path: Path) -> No
     assert "▶ shed" in terminal.lines[1]
 
 
-def test_several_vehicles_are_on_the_map(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("columns", "rows"), SIZES)
+def test_several_vehicles_have_a_row_each_and_are_on_the_map(columns: int, rows: int) -> None:
     (assignment,) = first_flight().assignments.values()
     plan = Plan({"cat": assignment, "mouse": assignment})
-    terminal = Terminal(100, 40)
+    terminal = Terminal(columns, rows)
 
     def look() -> None:
         screen = "\n".join(terminal.lines)
-        assert "▶ square.north" in terminal.lines[1]
-        assert screen.count("cat") == screen.count("mouse") == 1
-        assert screen.count("H") == 2
+        assert terminal.lines[0].startswith(" fleet   0:0") and "in the air 2 of 2" in screen
+        head = terminal.row_of("cat  ")
+        for number, name in enumerate(("cat  ", "mouse")):
+            row = terminal.lines[head + number]
+            assert re.match(rf"{name}  ▶ (square|….*)\.north [0-9.]+ s", row)
+            figures = re.search(r"2\.0 m  [01]\.\d m/s  99%", row)
+            assert (figures is not None) == (columns not in (40, 80)), "there is room for them"
+        assert " 0:05.3  mouse → square.north (done)" in screen
+        if rows > 20:
+            map_ = terminal.lines[terminal.row_of("north up") :]
+            assert "\n".join(map_).count("H") == 2
 
     watch(terminal, plan, {7.0: look})
+
+
+def test_of_more_vehicles_than_rows_the_last_row_tells(tmp_path: Path) -> None:
+    (assignment,) = first_flight().assignments.values()
+    plan = Plan({f"v{number:02}": assignment for number in range(20)})
+    terminal = Terminal(60, 20)
+
+    def look() -> None:
+        rows = [line for line in terminal.lines if re.match(r"v\d\d  ▶", line)]
+        assert [row[:3] for row in rows] == [f"v{number:02}" for number in range(len(rows))]
+        assert f"⋮ {20 - len(rows)} more" in "\n".join(terminal.lines)
+
+    watch(terminal, plan, {3.0: look})
 
 
 @pytest.mark.slow

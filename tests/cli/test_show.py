@@ -5,12 +5,11 @@ from pathlib import Path
 import pytest
 
 from fsm.drawing import draw
-from runner.missions import SHIPPED, find
+from runner.missions import find
 from runner.preparation import prepare
 from tests.cli.run_cli import run_cli
 from tests.fsm.drawing.rules import broken_rules
-
-SHIPPED_NAMES = sorted(path.stem for path in SHIPPED.glob("*.yaml"))
+from tests.missions.shipped import MISSIONS
 
 TEXT = """\
 hop: Up and down.
@@ -53,7 +52,7 @@ def test_dot_has_every_state_and_transition(hop: str) -> None:
     assert out.startswith('digraph "hop" {') and out.endswith("}\n")
 
 
-@pytest.mark.parametrize("mission", SHIPPED_NAMES)
+@pytest.mark.parametrize("mission", MISSIONS)
 @pytest.mark.parametrize("format_", ["text", "mermaid", "dot", "svg"])
 def test_every_shipped_mission_is_shown_the_same_each_time(mission: str, format_: str) -> None:
     first = run_cli("show", mission, "--format", format_)
@@ -75,7 +74,7 @@ def test_an_unknown_format_gets_the_nearest(hop: str) -> None:
     assert "mermaid" in result.err
 
 
-@pytest.mark.parametrize("mission", SHIPPED_NAMES)
+@pytest.mark.parametrize("mission", MISSIONS)
 def test_pictures_of_shipped_missions_break_no_rule(mission: str) -> None:
     graph = prepare(find(mission)).graph
     assert broken_rules(graph, draw(graph)) == []

@@ -5,13 +5,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from fsm import compile_mission
-from fsm.fleet import check_fleet, read_fleet
+from fsm import compile_mission, read_mission_text
+from fsm.faults import Faults
+from fsm.fleet import check_fleet, compile_until, read_fleet
 from tests.fsm.toy import VOCABULARY, Run
-from vencejo.errors import UserError
+from vencejo.errors import UserError, Where
 
 CAT = """\
 parameters: {limit: 1 s, speed: {type: speed}}
@@ -36,10 +38,13 @@ until: time > 200 s or cat.vehicle.altitude > 3 m
 def faults(folder: Path, fleet: str = FLEET, cat: str = CAT, mouse: str = MOUSE) -> list[str]:
     for name, text in (("fleet", fleet), ("cat", cat), ("mouse", mouse)):
         (folder / f"{name}.yaml").write_text(text)
+    (folder / "cat.scxml").write_text("<scxml/>")
     spec, found = read_fleet(folder / "fleet.yaml", "fleet.yaml")
-    vocabulary = replace(VOCABULARY, peers=spec.names)
+    vocabulary = replace(VOCABULARY, peers=frozenset(name.text for name in spec.names))
     graphs = {}
     for member in spec.members:
+        if member.spec is None:
+            continue
         with found.collecting():
             graphs[member.name.text] = compile_mission(member.spec, vocabulary)
     found.extend(check_fleet(spec, graphs))
@@ -57,12 +62,17 @@ def test_a_fleet_without_mistakes(tmp_path: Path) -> None:
         ("2 m/s", "2 s", ["fleet.yaml:4:42: wrong-dimension"]),
         ("cat.yaml", "cta.yaml", ["fleet.yaml:4:18: no-such-file"]),
         ("cat.yaml", "../cat.yaml", ["fleet.yaml:4:18: outside-folder"]),
-        ("mission: mouse.yaml", "misson: mouse.yaml", ["fleet.yaml:5:11: unknown-key", "fleet.yaml:5:3: missing-key"]),
+        ("mission: mouse.yaml", "misson: mouse.yaml", ["fleet.yaml:5:11: unknown-key"]),
         ("time > 200 s", "tim > 200 s", ["fleet.yaml:6:8: unknown-name"]),
         ("200 s", "200 m", ["fleet.yaml:6:8: wrong-dimension"]),
         ("  mouse:", "  mouze:", ["cat.yaml:3:73: unknown-vehicle"]),
         ("until", "untill", ["fleet.yaml:6:1: unknown-key"]),
         ("cat.yaml", "fleet.yaml", ["fleet.yaml:1:8: not-a-mission"]),
+        ("cat.yaml", "cat.scxml", ["fleet.yaml:4:18: not-a-mission"]),
+        ("fleet: chase", "fleet: cat/mouse", ["fleet.yaml:1:8: bad-name"]),
+        ("mouse: {mission: mouse.yaml}", "mouse: {}", []),
+        ("mouse: {mission: mouse.yaml}", "mouse: mouse.yaml", ["fleet.yaml:5:10: wrong-type"]),
+        ("mouse: {mission: mouse.yaml}", "time: {mission: mouse.yaml}", ["cat.yaml:3:73: unknown-vehicle", "fleet.yaml:5:3: name-taken"]),
         ("time > 200 s", "1 > 2", ["fleet.yaml:6:8: constant-condition"]),
     ],
 )  # fmt: skip
@@ -123,6 +133,34 @@ def test_fields_that_are_sent_fit_the_mission_that_hears_them(
     cat = CAT.replace("with: {by: cat}", sent)
     mouse = MOUSE.replace("{by: text}", heard)
     assert faults(tmp_path, cat=cat, mouse=mouse) == found
+
+
+@pytest.mark.parametrize(
+    ("guard", "found"),
+    [
+        ("event.source == 'cat'", []),
+        ("event.source in ['cat', 'dog']", []),
+        ("event.source > 3", ["mouse.yaml:2:50: wrong-type"]),
+        ("event.sauce == 'cat'", ["mouse.yaml:2:50: unknown-field"]),
+    ],
+)
+def test_an_event_says_who_sent_it(tmp_path: Path, guard: str, found: list[str]) -> None:
+    mouse = MOUSE.replace("game.over: b", f'game.over: {{target: b, guard: "{guard}"}}')
+    assert faults(tmp_path, mouse=mouse) == found
+
+
+def test_until_is_a_condition_over_all_vehicles(tmp_path: Path) -> None:
+    graphs = {name: compile_mission(read_mission_text(MOUSE), VOCABULARY) for name in ("a", "b")}
+    names = next(iter(VOCABULARY.names))
+    assert names == "vehicle"
+    found = Faults()
+    text = "time > 2 s and a.vehicle.altitude + b.vehicle.altitude > 3 m"
+    until = compile_until(text, Where("fleet.yaml", 1, 1), graphs, found)
+    assert until.text == text and found == []
+    high, low = (SimpleNamespace(vehicle=SimpleNamespace(altitude=h)) for h in (2.5, 0.4))
+    assert until.holds(2.1, [high, high])
+    assert not until.holds(1.9, [high, high])
+    assert not until.holds(2.1, [high, low])
 
 
 def test_an_event_that_the_other_vehicle_does_not_hear(tmp_path: Path) -> None:

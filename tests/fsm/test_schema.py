@@ -109,7 +109,13 @@ FLEET = "fleet: f\nvehicles: {cat: {mission: cat.yaml, with: {speed: 2}}}\nuntil
 
 
 def test_fleets_validate_too(tmp_path: Path) -> None:
-    assert refuses(DRONE, FLEET) == []
+    more = "{mission: cat.yaml, start: {at: [1, 2], heading: 90 deg}, color: red, model: swift}"
+    for right in (
+        FLEET,
+        FLEET.replace("{mission: cat.yaml, with: {speed: 2}}", more),
+        "fleet: f\nvehicles: {cat: {color: [1, 2, 3]}}\nuntil: time > 5 s\n",
+    ):
+        assert refuses(DRONE, right) == []
     for wrong in (
         FLEET.replace("mission", "misson"),
         FLEET.replace("until", "untl"),

@@ -8,13 +8,27 @@ from contextlib import contextmanager
 from hal.orders import Order
 from hal.sim import SimSession, open_session
 from hal.sim.bullet import Bullet
-from hal.vehicle import PERIOD, Observation, Options, Position, Session, Setpoint, Vehicle
+from hal.vehicle import (
+    PERIOD,
+    Observation,
+    Options,
+    Position,
+    Session,
+    Setpoint,
+    Vehicle,
+    VehicleSpec,
+)
 from vencejo.geometry import Point
 from worlds.world import World
 
 HIGH = Point(0.0, 0.0, 5.0)
 LONG = 1000.0
 """Seconds for which a set-point stays valid that a test gives once."""
+
+
+def named(*names: str) -> tuple[VehicleSpec, ...]:
+    """Vehicles of which nothing is asked but their names."""
+    return tuple(map(VehicleSpec, names))
 
 
 def wait(session: Session, seconds: float, setpoint: Setpoint | None = None) -> list[Observation]:
@@ -77,9 +91,11 @@ def hovering(
         yield session, vehicle
 
 
-def session_of(world: World, vehicles: tuple[str, ...] = ("drone",)) -> SimSession:
+def session_of(
+    world: World, vehicles: tuple[str, ...] = ("drone",), **settings: object
+) -> SimSession:
     """The simulator on a world that is in no file."""
-    return SimSession(Options(vehicles), world, Bullet())
+    return SimSession(Options(named(*vehicles), settings=settings), world, Bullet())
 
 
 def told(seen: Iterable[Observation]) -> list[tuple[str, str]]:

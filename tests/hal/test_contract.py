@@ -32,7 +32,7 @@ from hal.vehicle import (
     Velocity,
     VisionPose,
 )
-from tests.hal.flying import decided, finish, only, take_off, wait, wait_until
+from tests.hal.flying import decided, finish, named, only, take_off, wait, wait_until
 from vencejo.errors import UserError
 from vencejo.geometry import Point, distance, wrap
 
@@ -52,7 +52,7 @@ def example_session(options: Options) -> Session:
 
 
 OPENERS: dict[str, Callable[[Options], Session]] = {
-    "fake": lambda options: FakeSession(options.vehicles, options=options),
+    "fake": lambda options: FakeSession((each.name for each in options.vehicles), options=options),
     "sim": open_session,
     "example": example_session,
 }
@@ -116,7 +116,7 @@ def test_time_counts_periods_without_drift(session: Session) -> None:
 
 
 def test_all_vehicles_have_one_clock(backend: str) -> None:
-    with OPENERS[backend](Options(vehicles=("a", "b", "c"))) as session:
+    with OPENERS[backend](Options(vehicles=named("a", "b", "c"))) as session:
         assert list(session.vehicles) == ["a", "b", "c"]
         for _ in range(40):
             session.wait()
@@ -426,6 +426,13 @@ def test_trim_is_for_the_ground(session: Session) -> None:
     assert (order.state, order.reason) == ("refused", "the motors are running")
 
 
+def test_the_wind_is_known_where_it_is_among_the_capabilities(session: Session) -> None:
+    vehicle = take_off(session)
+    wind = vehicle.observe().wind
+    assert (wind is not None) == ("wind" in vehicle.capabilities)
+    assert wind in (None, ORIGIN)
+
+
 def test_lights_can_be_set_anywhere(session: Session) -> None:
     vehicle = needs(session, "lights")
     assert decided(session, vehicle.lights(Lights("blink", "red", 2.0))).state == "done"
@@ -640,8 +647,8 @@ def test_a_tilt_speeds_it_up_the_way_it_leans(session: Session) -> None:
     take_off(session)
     wait(session, 3, Position(Point(0.0, 0.0, 3.0), yaw=pi / 2))
     seen = wait(session, 1, Attitude(pitch=0.1))[-1]
-    # Nose down flies forward, here north, at g·tan(tilt).
-    assert seen.velocity.y == pytest.approx(9.81 * 0.1003, rel=0.2)
+    # Nose down flies forward, here north, at g·tan(tilt), less what drag takes in a second.
+    assert seen.velocity.y == pytest.approx(9.81 * 0.1003, rel=0.35)
     assert abs(seen.velocity.x) < 0.05 and abs(seen.position.z - 3) < 0.1
     wait(session, 3, Hold())
     seen = wait(session, 1, Attitude(roll=0.1, climb=0.5))[-1]
@@ -654,7 +661,7 @@ def test_a_tilt_can_be_a_share_of_the_limits(session: Session) -> None:
     vehicle.configure(Limits(max_tilt=0.2, max_climb=1.0, max_yaw_rate=1.0))
     seen = wait(session, 1, Attitude(pitch=0.5, climb=0.5, yaw_rate=-0.5, unit="share"))[-1]
     speed = (seen.velocity.x**2 + seen.velocity.y**2) ** 0.5
-    assert speed == pytest.approx(9.81 * 0.1003, rel=0.2)
+    assert speed == pytest.approx(9.81 * 0.1003, rel=0.35)
     assert seen.velocity.z == pytest.approx(0.5, abs=0.1)
     assert seen.rates.z == pytest.approx(-0.5, abs=0.05)
     wait(session, 4, Hold())
@@ -667,8 +674,8 @@ def test_without_thrust_it_falls(thrust: float) -> None:
     with open_session(Options()) as session:
         take_off(session, 30)
         seen = wait(session, 1, Attitude(pitch=0.2, thrust=thrust))
-        # Free fall, and not pushed down.
-        assert seen[-1].velocity.z == pytest.approx(-9.81, rel=0.02)
+        # Nearly free fall, and not pushed down: the rotors idle, and the air has drag.
+        assert -9.81 < seen[-1].velocity.z < -8
         assert wait(session, 4, Hold())[-1].velocity.norm() < 0.05
 
 

@@ -15,7 +15,7 @@ from hal.sim import open_session
 from hal.sim.physics import STEP, BodyState, Triple
 from hal.vehicle import Options, Position
 from tests.hal.engines import ENGINES, SIZE, run, simulation, vehicle
-from tests.hal.flying import LONG, finish, only, take_off, wait
+from tests.hal.flying import LONG, finish, named, only, take_off, wait
 from vencejo.geometry import Point, Quaternion, about_x, turned, yaw_quaternion
 from vencejo.geometry import product as rotation
 from worlds.terrain import height_at, highest_under
@@ -247,7 +247,7 @@ def test_vehicles_without_a_start_of_their_own_stand_on_the_hill_too(tmp_path: P
         "world: east\nstart: {at: [-3, 0.5]}\n"
         f"ground: {{terrain: {{size: 40 m, heights: {rows}}}}}\n"
     )
-    with open_session(Options(("a", "b", "c"), world=str(file))) as session:
+    with open_session(Options(named("a", "b", "c"), world=str(file))) as session:
         wait(session, 2)
         heights = [vehicle.observe().position.z for vehicle in session.vehicles.values()]
         assert heights == pytest.approx([1.4, 1.8, 2.2], abs=0.02)

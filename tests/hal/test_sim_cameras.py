@@ -20,8 +20,8 @@ from hal.scene.transforms import rotation_matrix
 from hal.sim import CameraSpec, SimSession, open_session
 from hal.sim.bullet import Bullet
 from hal.sim.sensors.lens import Lens
-from hal.vehicle import Frame, Options, Position, Unavailable, Velocity
-from tests.hal.flying import LONG
+from hal.vehicle import Frame, Options, Position, Unavailable, VehicleSpec, Velocity
+from tests.hal.flying import LONG, named
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point, turned
@@ -33,7 +33,7 @@ AHEAD, DOWN = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 
 def session_on(world: World, vehicles: tuple[str, ...] = ("drone",), **settings: Any) -> SimSession:
-    return SimSession(Options(vehicles, settings=settings), world, Bullet())
+    return SimSession(Options(named(*vehicles), settings=settings), world, Bullet())
 
 
 def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
@@ -191,6 +191,17 @@ def test_vehicles_see_each_other_and_not_themselves() -> None:
         assert shown[0] > 300 and shown[1] == 0
 
 
+def test_the_colour_of_a_vehicle_may_be_chosen() -> None:
+    pink = (250, 10, 160)
+    vehicles = VehicleSpec("cat"), VehicleSpec("mouse", color=pink)
+    with SimSession(Options(vehicles), world_of(), Bullet()) as session:
+        session.wait()
+        taken = session.vehicles["cat"].camera("front").latest()
+        assert taken is not None
+        seen = np.abs(taken.image.astype(int) - pink[::-1]).max(2) < 60
+        assert seen.sum() > 300
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -278,6 +289,7 @@ def test_a_flight_without_pictures_imports_nothing_for_them() -> None:
     "given",
     [
         {},
+        {"wind": "5m/s@270deg,gusts=8m/s"},
         {"noise": True, "renderer": "tiny", "shadows": True, "sensors": {"down": {"rate": 10}}},
         {"cameras": {"front": None, "rear": {"pan": 3.0, "distortion": [0.1, 0.0, 0.0, 0.0]}}},
         {"cameras": {"ventral": {"at": (0.0, 0.1, 0.0), "view": 1.0, "width": 64}}},
@@ -289,6 +301,6 @@ def test_a_session_gives_back_its_settings(given: dict[str, object]) -> None:
             return session.settings
 
     found = settings(given)
-    assert set(found) == {"noise", "cameras", "sensors", "renderer", "shadows"}
+    assert set(found) == {"noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows"}
     # Through JSON, as a log has them; and in the same sequence.
     assert json.dumps(settings(json.loads(json.dumps(found)))) == json.dumps(found)

@@ -76,6 +76,8 @@ def test_leans_no_further_than_allowed() -> None:
     with hovering() as (session, vehicle):
         for allowed in (0.35, 0.15):
             vehicle.configure(Limits(max_tilt=allowed))
+            vehicle.command(Hold(), LONG)
+            wait(session, 3)
             steepest = 0.0
             for speed in (5.0, -5.0):
                 vehicle.command(Velocity(x=speed, y=speed), LONG)

@@ -12,7 +12,7 @@ import pytest
 
 from hal.sim import open_session
 from hal.vehicle import Hold, Options, Position, Velocity
-from tests.hal.flying import LONG
+from tests.hal.flying import LONG, named
 from vencejo.geometry import Point
 
 ROOT = Path(__file__).parents[2]
@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 def flight(seed: int, noise: float = 1.0, looks: int = 1, world: str = "yard") -> str:
     """The digest of all that two vehicles report in a flight that touches much."""
     digest = sha256()
-    options = Options(("cat", "mouse"), world, seed, settings={"noise": noise})
+    options = Options(named("cat", "mouse"), world, seed, settings={"noise": noise})
     with open_session(options) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
         cat.takeoff(2.0)
@@ -76,7 +76,7 @@ def test_the_seed_moves_the_noise_and_only_that() -> None:
 
 
 def test_vehicles_have_noise_of_their_own() -> None:
-    with open_session(Options(("a", "b"), settings={"noise": True})) as session:
+    with open_session(Options(named("a", "b"), settings={"noise": True})) as session:
         for vehicle in session.vehicles.values():
             vehicle.takeoff(3.0)
         for _ in range(200):

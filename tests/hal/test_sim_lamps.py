@@ -9,7 +9,7 @@ from hal.lights import COLORS, Lights
 from hal.sim import SimSession
 from hal.sim.bullet import Bullet
 from hal.vehicle import Frame, Options
-from tests.hal.flying import wait
+from tests.hal.flying import named, wait
 from worlds.loader import read_world
 
 RED = COLORS["red"]
@@ -24,7 +24,7 @@ def pixels(frame: Frame, rgb: tuple[int, int, int]) -> int:
 @pytest.mark.parametrize("renderer", ["raster", "tiny"])
 def test_another_vehicle_s_camera_sees_the_lamps(renderer: str) -> None:
     world = read_world("world: test\nstart: [{at: [0, 0]}, {at: [1.2, 0]}]\n", "test.yaml")
-    options = Options(("cat", "mouse"), settings={"renderer": renderer})
+    options = Options(named("cat", "mouse"), settings={"renderer": renderer})
     with SimSession(options, world, Bullet()) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
 
@@ -46,7 +46,7 @@ def test_another_vehicle_s_camera_sees_the_lamps(renderer: str) -> None:
 
 def test_lights_that_change_later_do_not_change_an_earlier_picture() -> None:
     world = read_world("world: test\nstart: [{at: [0, 0]}, {at: [1.2, 0]}]\n", "test.yaml")
-    options = Options(("cat", "mouse"), settings={"cameras": {"front": {"rate": 1.0}}})
+    options = Options(named("cat", "mouse"), settings={"cameras": {"front": {"rate": 1.0}}})
     with SimSession(options, world, Bullet()) as session:
         wait(session, 1.2)
         session.vehicles["mouse"].lights(Lights("solid", "blue"))

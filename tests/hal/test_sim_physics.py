@@ -15,12 +15,13 @@ from hal.sim import open_session
 from hal.sim.bullet import Bullet
 from hal.sim.physics import GRAVITY, STEP, Body, Triple
 from hal.sim.vehicle import SimVehicle
-from hal.vehicle import Options, Position, Velocity
-from tests.hal.flying import LONG, finish, hovering, only, take_off, wait
+from hal.vehicle import Options, Position, VehicleSpec, Velocity
+from tests.hal.flying import LONG, finish, hovering, named, only, take_off, wait
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point, Quaternion, distance, yaw_quaternion
 from worlds import figures
 from worlds.things import Thing
+from worlds.world import Start
 
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 ROOT = Path(__file__).parents[2]
@@ -70,7 +71,7 @@ def test_a_push_is_along_the_bodys_own_axes(physics: Bullet) -> None:
     physics.step()
     _, _, velocity, turning = thing.state()
     assert velocity == pytest.approx((0, -1.5 * STEP, -GRAVITY * STEP), abs=1e-9)
-    assert turning == pytest.approx((STEP, -STEP, STEP), rel=1e-3)
+    assert turning == pytest.approx((STEP, STEP, STEP), rel=1e-3)
     before = thing.state()
     physics.step()
     assert thing.state()[2][1] == pytest.approx(before[2][1]), "a push lasts for one step"
@@ -177,11 +178,14 @@ def test_a_closed_session_advances_no_more() -> None:
         (Options(settings={"noise": "loud"}), "bad-setting"),
         (Options(settings={"noise": -1}), "bad-setting"),
         (Options(settings={"shadows": "no"}), "bad-setting"),
+        (Options(settings={"wind": 5}), "bad-setting"),
+        (Options(settings={"wind": "5 m/s"}), "wrong-type"),
+        (Options(settings={"wind": "5 m/s@270 deg,gusts=3 m/s"}), "bad-gusts"),
         (Options(settings={"noise": float("inf")}), "bad-setting"),
         (Options(world="yrad"), "unknown-world"),
         (Options(address="udp:14540"), "no-address"),
         (Options(vehicles=()), "bad-vehicles"),
-        (Options(vehicles=("a", "a")), "bad-vehicles"),
+        (Options(vehicles=named("a", "a")), "bad-vehicles"),
     ],
 )
 def test_what_cannot_be_opened_is_refused(options: Options, code: str) -> None:
@@ -193,9 +197,9 @@ def test_what_cannot_be_opened_is_refused(options: Options, code: str) -> None:
 def test_no_vehicle_starts_in_a_box(tmp_path: Path) -> None:
     file = tmp_path / "tight.yaml"
     file.write_text("world: tight\nboxes: {hut: {at: [4, 1], size: [1, 2, 3]}}\n")
-    open_session(Options(("a", "b"), world=str(file))).__exit__()
+    open_session(Options(named("a", "b"), world=str(file))).__exit__()
     with pytest.raises(UserError, match="'c' would start in the box 'hut'") as caught:
-        open_session(Options(("a", "b", "c"), world=str(file)))
+        open_session(Options(named("a", "b", "c"), world=str(file)))
     assert caught.value.code == "start-in-thing"
 
 
@@ -205,7 +209,7 @@ def test_the_world_gives_start_battery_and_places(tmp_path: Path) -> None:
         "world: mine\nbattery: 40 %\nplaces: {gate: [1, 2, 3]}\n"
         "start: [{at: [4, 5], heading: 90 deg}, {at: [7, 5]}]\n"
     )
-    with open_session(Options(world=str(file), vehicles=("cat", "mouse", "dog"))) as session:
+    with open_session(Options(world=str(file), vehicles=named("cat", "mouse", "dog"))) as session:
         session.wait()
         seen = {name: vehicle.observe() for name, vehicle in session.vehicles.items()}
         assert [seen[name].home for name in ("cat", "mouse", "dog")] == [
@@ -218,6 +222,28 @@ def test_the_world_gives_start_battery_and_places(tmp_path: Path) -> None:
         assert session.places == {"gate": (1, 2, 3)}
 
 
+def test_a_vehicle_may_have_a_start_of_its_own() -> None:
+    own = VehicleSpec("mouse", start=Start(Point(5.0, 6.0, 0.0), pi / 2))
+    with open_session(Options((VehicleSpec("cat"), own, VehicleSpec("dog")))) as session:
+        session.wait()
+        seen = [vehicle.observe() for vehicle in session.vehicles.values()]
+    assert [each.home for each in seen] == [(0, 0, 0), (5, 6, 0), (2, 0, 0)]
+    assert [each.yaw for each in seen] == pytest.approx([0, pi / 2, 0], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("at", "code"),
+    [
+        (Point(0.0, 0.5, 0.0), "starts-overlap"),
+        (Point(9.0, 0.0, -1.0), "start-in-ground"),
+    ],
+)
+def test_starts_where_nothing_can_stand_are_refused(at: Point, code: str) -> None:
+    with pytest.raises(UserError) as caught:
+        open_session(Options((VehicleSpec("cat"), VehicleSpec("mouse", start=Start(at, 0.0)))))
+    assert [fault.code for fault in caught.value.faults] == [code]
+
+
 def test_the_world_may_say_where_on_the_earth_it_is(tmp_path: Path) -> None:
     nowhere = tmp_path / "nowhere.yaml"
     nowhere.write_text("world: nowhere\n")
@@ -228,7 +254,7 @@ def test_the_world_may_say_where_on_the_earth_it_is(tmp_path: Path) -> None:
 
 
 def test_vehicles_fly_side_by_side() -> None:
-    with open_session(Options(vehicles=("cat", "mouse"))) as session:
+    with open_session(Options(vehicles=named("cat", "mouse"))) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
         mouse.takeoff(2)
         wait(session, 4)

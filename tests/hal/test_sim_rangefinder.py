@@ -12,7 +12,7 @@ from hal.sim.bullet import Bullet
 from hal.sim.sensors.rangefinder import RangefinderSpec
 from hal.sim.sensors.sampling import newest_capture
 from hal.vehicle import Options, Position, Reading, Sensor, Unavailable, Velocity
-from tests.hal.flying import LONG, only, take_off, wait
+from tests.hal.flying import LONG, named, only, take_off, wait
 from vencejo.errors import UserError
 from vencejo.geometry import Point, roll_pitch_of
 from worlds.loader import read_world
@@ -27,7 +27,9 @@ boxes: {trolley: {size: [1, 1, 0.5], moves: {through: [[0, 4], [0, -4]], speed: 
 
 def session_on(text: str = "", vehicles: tuple[str, ...] = ("drone",), **down: Any) -> SimSession:
     world = read_world(f"world: test\nstart: {{at: [0, 8]}}\n{text}", "test.yaml")
-    return SimSession(Options(vehicles, settings={"sensors": {"down": down}}), world, Bullet())
+    return SimSession(
+        Options(named(*vehicles), settings={"sensors": {"down": down}}), world, Bullet()
+    )
 
 
 def reading_of(session: SimSession, name: str = "drone") -> Reading:

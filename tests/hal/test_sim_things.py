@@ -16,7 +16,7 @@ from hal.sim.contact_debouncer import ContactDebouncer
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import GRAVITY, STEP, Body, Triple
 from hal.vehicle import Options, Position, VehicleEvent, Velocity
-from tests.hal.flying import LONG, finish, hovering, only, take_off, wait
+from tests.hal.flying import LONG, finish, hovering, named, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of
 from worlds import figures
 from worlds.loader import read_world
@@ -339,9 +339,12 @@ def test_what_is_very_long_counts_everywhere() -> None:
         assert not obstacles.thing_near(5, 5, 3.7)
 
 
-def test_the_ground_ends_above_the_highest_hill() -> None:
-    assert ObstacleHeightGrid([], None).ground == pytest.approx(0.6)
-    assert ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 9.0)).ground > 4.0
+def test_the_ground_ends_above_what_it_is_below() -> None:
+    flat = ObstacleHeightGrid([], None)
+    assert flat.ground_near(3, 3, 0.59) and not flat.ground_near(3, 3, 0.61)
+    hill = ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 40.0))
+    assert hill.ground_near(0, 0, 4.5) and not hill.ground_near(0, 0, 4.61)
+    assert hill.ground_near(-19, 0, 0.7) and not hill.ground_near(-19, 0, 2.0)
 
 
 def test_a_touch_is_new_once_until_it_is_over() -> None:
@@ -392,7 +395,7 @@ def test_standing_on_something_is_no_collision() -> None:
 
 
 def test_vehicles_collide_by_name() -> None:
-    with open_session(Options(vehicles=("cat", "mouse"))) as session:
+    with open_session(Options(vehicles=named("cat", "mouse"))) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
         cat.takeoff(2)
         mouse.takeoff(2)

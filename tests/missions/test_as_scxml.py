@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from behaviors import drone_vocabulary, load_all
 from fsm import Graph, MissionSpec, compile_mission, read_mission
 from fsm.scxml import import_mission, parse_document, write_scxml
 from runner.missions import SHIPPED
+from tests.missions.shipped import MISSIONS
 
 
 def compiled(spec: MissionSpec) -> Graph:
@@ -26,9 +25,9 @@ def edges(graph: Graph) -> list[tuple[object, ...]]:
     ]
 
 
-@pytest.mark.parametrize("path", sorted(SHIPPED.glob("*.yaml")), ids=lambda path: path.stem)
-def test_it_comes_back(path: Path) -> None:
-    spec = read_mission(path)
+@pytest.mark.parametrize("mission", [*MISSIONS, "parts/dancer"])
+def test_it_comes_back(mission: str) -> None:
+    spec = read_mission(SHIPPED / f"{mission}.yaml")
     back = import_mission(parse_document(write_scxml(spec), "m.scxml"), "m.scxml")
     before, after = compiled(spec), compiled(back)
     assert [node.path for node in after.nodes] == [node.path for node in before.nodes]

@@ -11,6 +11,7 @@ import pytest
 
 from runner import missions
 from runner.testing import MissionFlight, fly_mission
+from tests.missions.shipped import FLEETS, MISSIONS
 from vencejo.geometry import Point, distance
 
 SHIPPED = ("beacon_route", "figure_eight", "first_flight", "inspect_tower", "survey_square")
@@ -149,7 +150,8 @@ def test_a_flight_is_the_same_whenever_it_is_flown() -> None:
 
 
 def test_all_shipped_missions_are_tested_here() -> None:
-    assert tuple(sorted(missions.names())) == SHIPPED
+    assert tuple(MISSIONS) == SHIPPED
+    assert {*MISSIONS, *FLEETS} == missions.names().keys()
 
 
 def test_figure_eight_keeps_to_its_curve_and_speed() -> None:

@@ -147,7 +147,7 @@ def test_all_done_is_a_success_and_equal_runs_give_equal_bytes(tmp_path: Path) -
         (tmp_path / name).mkdir()
         summary = fly(plan, lambda name=name: Recorder(tmp_path / name))  # type: ignore[misc]
         assert summary.exit_code == 0
-    for name in ("events.jsonl", "telemetry.csv"):
+    for name in ("events.jsonl", "telemetry/cat.csv", "telemetry/mouse.csv"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
@@ -210,7 +210,7 @@ class Eventful(FakeSession):
     """Something happens to it once, so many seconds after the start."""
 
     def __init__(self, options: Options, at: float, incident: Incident) -> None:
-        super().__init__(options.vehicles, options=options)
+        super().__init__((each.name for each in options.vehicles), options=options)
         self._at, self._incident = round(at * 40), incident
 
     def wait(self) -> float:

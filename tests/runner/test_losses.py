@@ -19,7 +19,7 @@ class Failing(FakeSession):
     """Fake vehicles to which something happens at 3 s."""
 
     def __init__(self, options: Options, happens: Callable[[Failing], None]) -> None:
-        super().__init__(options.vehicles, options=options)
+        super().__init__((each.name for each in options.vehicles), options=options)
         self._happens = happens
 
     def wait(self) -> float:
@@ -124,7 +124,7 @@ def test_a_limit_of_the_run_that_the_vehicle_refuses(
     summary = fly(Plan(both, profile="indoor", limits=Limits(max_speed=0.5)))
     assert summary.exit_code == 0
     for vehicle in opened[-1].vehicles.values():
-        assert (vehicle.limits["max_altitude"], vehicle.limits["max_speed"]) == (2.5, 0.5)
+        assert (vehicle.limits.max_altitude, vehicle.limits.max_speed) == (2.5, 0.5)
 
 
 def test_a_vehicle_that_is_not_heard_keeps_the_flight_from_starting(

@@ -76,6 +76,13 @@ SHAPE_FAULTS = [
         ["2:16 two-places"],
     ),
     (W + "ground: {terrain: {heights: [[0, 0, 0], [0, 1, 0]], size: 9}}\n", ["2:29 wrong-type"]),
+    (W + "wind: 5 m/s\n", ["2:7 wrong-type"]),
+    (W + "wind: 5\n", ["2:7 wrong-type"]),
+    (W + "wind: [5, 270]\n", ["2:7 wrong-type"]),
+    (W + "wind: {speed: 5}\n", ["2:7 missing-key"]),
+    (W + "wind: {speed: 5, from: west}\n", ["2:24 wrong-type"]),
+    (W + "wind: {speed: 5, from: 9, gusts: {every: 9 s}}\n", ["2:34 missing-key"]),
+    (W + "wind: {speed: 5, from: 9, turbulence: much}\n", ["2:39 wrong-type"]),
     # Several at once, in the order of the file.
     (
         "world: w\nbatery: 1\nboxes:\n  a: {at: [9], size: [1, 1, -1]}\nplaces: {p: [1, 2, 3 s]}\n",
@@ -89,6 +96,8 @@ OTHER_FAULTS = [
     (W + "origin: {lat: 1, lon: -181 deg}\n", ["2:23 out-of-range"]),
     (W + "boxes: {a: {at: [9, 9], size: [1, 1, 1e999]}}\n", ["2:38 out-of-range"]),
     (W + "places: {p: [1, 2, 100001 m]}\n", ["2:20 out-of-range"]),
+    (W + "wind: 5 m/s@400 deg\n", ["2:7 out-of-range"]),
+    (W + "wind: {speed: 5, from: 9, gusts: 4 m/s}\n", ["2:34 bad-gusts"]),
     # Names.
     (W + "beacons: {b: {at: [1, 2, 3]}}\nplaces: {b: [1, 2, 3]}\n", ["3:10 duplicate-name"]),
     (W + "places: {b: [1, 2, 3], b: [4, 5, 6]}\n", ["2:24 duplicate-key"]),

@@ -1,0 +1,108 @@
+"""The four rotors: from the thrust and torques that the controller wants to those that act."""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+from typing import Protocol
+
+from hal.sim.model import Model
+from hal.sim.physics import STEP
+
+Wrench = tuple[float, float, float, float]
+"""Thrust along the body's z (N), and torques about its x, y and z (N·m)."""
+
+
+class Drive(Protocol):
+    """What turns a wanted wrench into the one that acts, once each physics step."""
+
+    share: float
+    """The largest thrust there is now, as a share of the model's."""
+
+    def step(self, wanted: Wrench) -> Wrench: ...
+
+    def stop(self) -> None:
+        """Stand still."""
+
+
+class IdealDrive:
+    """Gives what is wanted at once, up to the largest thrust and torques."""
+
+    share = 1.0
+
+    def __init__(self, model: Model) -> None:
+        self._most = model.max_thrust
+        self._tilt, self._yaw = model.max_torques
+
+    def step(self, wanted: Wrench) -> Wrench:
+        thrust, x, y, z = wanted
+        most, tilt, yaw = self._most, self._tilt, self._yaw
+        return (
+            most if thrust > most else thrust,
+            tilt if x > tilt else -tilt if x < -tilt else x,
+            tilt if y > tilt else -tilt if y < -tilt else y,
+            yaw if z > yaw else -yaw if z < -yaw else z,
+        )
+
+    def stop(self) -> None:
+        pass
+
+
+class RotorDrive:
+    """Four rotors in an X, each of which has a least and a largest thrust and a first-order lag.
+
+    Where they cannot give everything, tilt goes before height, and height before yaw, as in
+    M. Faessler et al., *Thrust mixing, saturation, and body-rate control for accurate aggressive
+    quadrotor flight*, RA-L 2017.
+    """
+
+    def __init__(self, model: Model) -> None:
+        rotors = model.rotors
+        self._most = rotors.max_thrust
+        self._least = rotors.idle_thrust * rotors.max_thrust
+        self._lever = rotors.arm / sqrt(2)
+        """Distance of each rotor from the body's x and y axes, metres."""
+        self._drag_ratio = rotors.drag_ratio
+        # The exact step of a first-order lag under a constant command.
+        self._follow = 1.0 - exp(-STEP / rotors.time_constant) if rotors.time_constant else 1.0
+        self.share = 1.0
+        self._thrusts = (0.0, 0.0, 0.0, 0.0)
+        """Of the rotors front left, rear left, rear right and front right, newtons."""
+
+    def step(self, wanted: Wrench) -> Wrench:
+        thrust, x, y, z = wanted
+        lever, ratio = self._lever, self._drag_ratio
+        least, most = self._least, self._most * self.share
+        mean, roll, pitch, yaw = thrust / 4, x / lever / 4, y / lever / 4, z / ratio / 4
+        spread = abs(roll) + abs(pitch)
+        if mean - spread - abs(yaw) < least or mean + spread + abs(yaw) > most:
+            mean, roll, pitch, yaw = _saturated(mean, roll, pitch, yaw, (least, most))
+        a, b, c, d = self._thrusts
+        follow, up, down = self._follow, mean + yaw, mean - yaw
+        a += (up + roll - pitch - a) * follow
+        b += (down + roll + pitch - b) * follow
+        c += (up - roll + pitch - c) * follow
+        d += (down - roll - pitch - d) * follow
+        self._thrusts = (a, b, c, d)
+        # The rotors front left and rear right turn clockwise as seen from above.
+        return (
+            a + b + c + d,
+            (a + b - c - d) * lever,
+            (b + c - a - d) * lever,
+            (a - b + c - d) * ratio,
+        )
+
+    def stop(self) -> None:
+        self._thrusts = (0.0, 0.0, 0.0, 0.0)
+
+
+def _saturated(
+    mean: float, roll: float, pitch: float, yaw: float, bounds: tuple[float, float]
+) -> tuple[float, float, float, float]:
+    """The shares of thrust, tilt and yaw in each rotor's thrust that its bounds allow."""
+    least, most = bounds
+    spread, room = abs(roll) + abs(pitch), (most - least) / 2
+    if spread > room:
+        roll, pitch, spread = roll * room / spread, pitch * room / spread, room
+    mean = max(least + spread, min(most - spread, mean))
+    turn = max(0.0, min(most - mean, mean - least) - spread)
+    return mean, roll, pitch, max(-turn, min(turn, yaw))
