@@ -233,6 +233,7 @@ class BaseSession(Generic[V]):
     settings: Mapping[str, object] = MappingProxyType({})
     places: Mapping[str, Point] = MappingProxyType({})
     geographic: tuple[float, float, float] | None = None
+    ground_height: Callable[[float, float], float] | None = None
 
     def __init__(self, vehicles: Iterable[V]) -> None:
         self.vehicles: Mapping[str, V] = MappingProxyType({each.name: each for each in vehicles})

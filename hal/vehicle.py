@@ -10,7 +10,7 @@ return an :class:`~hal.orders.Order` to poll, and a set-point is valid for a sho
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, tan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
@@ -392,6 +392,13 @@ class Session(Protocol):
     @property
     def geographic(self) -> tuple[float, float, float] | None:
         """Latitude, longitude (degrees) and altitude (m) of the world frame's origin, if known."""
+
+    @property
+    def ground_height(self) -> Callable[[float, float], float] | None:
+        """The height of the ground (terrain, not things) at a place (x, y), world frame, metres;
+        None where that is not known. Vehicles of a session that has it have the capability
+        ``terrain``.
+        """
 
     def wait(self) -> float:
         """Advance to the next mission period, and return the step made, seconds.

@@ -36,7 +36,7 @@ _ORIGIN = Point(0.0, 0.0, 0.0)
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap", "wind"}
+    | {"battery", "battery.swap", "terrain", "wind"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
