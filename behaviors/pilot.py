@@ -125,9 +125,12 @@ class Pilot:
         for capability, node in graph.required().items():
             if capability not in self.vehicle.capabilities:
                 behavior = node.invocation.behavior.name if node.invocation else ""
+                model = (
+                    f"the model '{self.vehicle.model}'" if self.vehicle.model else "this vehicle"
+                )
                 raise UserError(
                     "missing-capability",
-                    f"'{behavior}' needs '{capability}', which this vehicle does not have",
+                    f"'{behavior}' needs '{capability}', which {model} does not have",
                     node.where,
                     f"it has: {', '.join(sorted(self.vehicle.capabilities))}",
                 )
@@ -144,13 +147,22 @@ class Pilot:
         """Start a behaviour for a state (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
+        self._activate_camera(behavior)
         return DroneActivity(behavior, parameters, progress, self.channel, self._post, self._calls)
 
     def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> DroneActivity:
         """Go on with a behaviour of a saved run (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
+        self._activate_camera(behavior)
         return DroneActivity.resumed(behavior, saved, self.channel, self._post, self._calls)
+
+    def _activate_camera(self, behavior: BehaviorInfo) -> None:
+        """Make the camera that a behaviour needs the active one, where only one is."""
+        for word in behavior.requires:
+            kind, _, name = word.partition(".")
+            if kind == "camera":
+                self.channel.vehicle.use_camera(name)
 
     def _post(self, name: str, fields: Mapping[str, Any]) -> None:
         """Queue an event of a behaviour for the next period."""

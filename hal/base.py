@@ -55,6 +55,7 @@ class BaseVehicle:
 
     capabilities: frozenset[str] = frozenset()
     profiles: Mapping[str, Limits] = MappingProxyType({})
+    model = ""
 
     def __init__(self, name: str, decisions: Mapping[str, Decide]) -> None:
         """``decisions``: the function that decides on each verb that the vehicle has."""
@@ -212,6 +213,15 @@ class BaseVehicle:
 
     def camera(self, name: str) -> Camera:
         raise Unavailable(f"the vehicle '{self._name}' has no camera '{name}'")
+
+    @property
+    def active_camera(self) -> str | None:
+        return None
+
+    def use_camera(self, name: str | None = None) -> None:
+        """Every camera is active: nothing is to be done."""
+        if name is not None:
+            self.camera(name)
 
     def sensor(self, name: str) -> Sensor:
         raise Unavailable(f"the vehicle '{self._name}' has no sensor '{name}'")

@@ -284,6 +284,10 @@ class Vehicle(Protocol):
     def name(self) -> str: ...
 
     @property
+    def model(self) -> str:
+        """The name of its model; empty where it is not known."""
+
+    @property
     def capabilities(self) -> frozenset[str]:
         """Words such as ``position``, ``velocity``, ``arm``, ``takeoff``, ``camera.front``."""
 
@@ -353,8 +357,21 @@ class Vehicle(Protocol):
         validity that is not above 0.
         """
 
+    @property
+    def active_camera(self) -> str | None:
+        """The only camera that delivers images now; None where all do.
+
+        Reading another one raises Unavailable.
+        """
+
     def camera(self, name: str) -> Camera:
         """A camera by name. Raises Unavailable."""
+
+    def use_camera(self, name: str | None = None) -> None:
+        """Make a camera the active one at once, or the next one. Where all are, nothing happens.
+
+        Raises Unavailable for a camera that the vehicle does not have.
+        """
 
     def sensor(self, name: str) -> Sensor:
         """A sensor by name. Raises Unavailable."""
@@ -422,7 +439,7 @@ class VehicleSpec:
 
     name: str
     model: str | None = None
-    """The name of its model; None for the backend's default."""
+    """The name of its model, or the path of its file; None for the world's or the default."""
     start: Start | None = None
     """Its place and heading when the run begins, world frame; None for a start of the world."""
     color: Rgb | None = None

@@ -7,7 +7,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import PurePosixPath
@@ -404,9 +404,12 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
     unlisted = {n: value for n, value in plan.settings.items() if n not in session.settings}
     return Header(
         missions={
-            name: _facts(flown, PurePosixPath(files.missions[name]), hashes)
-            if name in files.missions
-            else MissionFacts("", "", {})
+            name: replace(
+                _facts(flown, PurePosixPath(files.missions[name]), hashes)
+                if name in files.missions
+                else MissionFacts("", "", {}),
+                model=session.vehicles[name].model,
+            )
             for name, flown in plan.assignments.items()
         },
         fleet=plan.fleet.name if plan.fleet else "",
@@ -421,7 +424,7 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
                 name: MissionSettings(
                     files.missions.get(name, ""),
                     flown.all_parameters,
-                    flown.model,
+                    files.models.get(flown.model or "", flown.model),
                     flown.start,
                     flown.color,
                 )

@@ -95,3 +95,15 @@ def whole_folder(path: Path) -> Iterator[Path]:
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
+
+
+def is_file_word(word: str) -> bool:
+    """Whether a word that names a thing is the path of a YAML file."""
+    return word.endswith((".yaml", ".yml"))
+
+
+def named_from(folder: Path, word: str) -> str:
+    """A word that names a thing, seen from here: a file is named from the folder of what names it,
+    not from where one happens to be.
+    """
+    return str(folder / word) if is_file_word(word) else word

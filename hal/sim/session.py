@@ -12,11 +12,13 @@ from hal.scene.lamps import lamp_things
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import ContactTracker
 from hal.sim.dynamics import STEPS_PER_PERIOD, Dynamics
-from hal.sim.model import ARDRONE2
+from hal.sim.model_files import DEFAULT, load_model
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
 from hal.sim.sensors.camera import RenderContext, SimCamera
+from hal.sim.sensors.camera_spec import read_cameras
+from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.sensors.rangefinder import SimRangefinder
 from hal.sim.settings import plain_settings, read_settings
 from hal.sim.starts import start_poses
@@ -42,10 +44,10 @@ class SimSession:
     """The vehicles of one world, in lockstep (see :class:`hal.vehicle.Session`)."""
 
     def __init__(self, options: Options, world: World, physics: Physics) -> None:
-        """Raises UserError for wrong settings, names of vehicles, or start poses."""
+        """Raises UserError for wrong settings, names of vehicles, models, or start poses."""
         settings = read_settings(options.settings)
-        model = ARDRONE2
-        starts = start_poses(world, options.vehicles, model.size)
+        models = [load_model(spec.model or world.model or DEFAULT) for spec in options.vehicles]
+        starts = start_poses(world, options.vehicles, [model.size for model in models])
         physics.add_things(world.things, world.ground.terrain)
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
@@ -60,7 +62,7 @@ class SimSession:
         self._ground_height = partial(height_at, world.ground.terrain)
         self._count = 0
         self._all: list[SimVehicle] = []
-        for spec, start in zip(options.vehicles, starts, strict=True):
+        for spec, model, start in zip(options.vehicles, models, starts, strict=True):
             name = spec.name
             dynamics = Dynamics(name, physics, model, settings.physics, start)
             vehicle = SimVehicle(
@@ -78,25 +80,27 @@ class SimSession:
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle, spec in zip(self._all, options.vehicles, strict=True):
+        for vehicle, model, spec in zip(self._all, models, options.vehicles, strict=True):
             name = vehicle.name
             context.pose_histories[name] = vehicle.dynamics.pose_history
             context.appearances[name] = quadrotor(
-                name, arm=model.rotors.arm, size=model.size, color=spec.color
+                name, arm=model.rotors.arm, size=model.size, color=spec.color or model.color
             )
             context.lamps[name] = vehicle.lamps
             if not alone:
                 height = model.size[2]
                 context.appearances |= lamp_things(name, arm=model.rotors.arm, height=height)
+            specs = read_cameras(settings.cameras, model.cameras)
             cameras = {
                 camera: SimCamera(name, camera, spec, context, self._steps)
-                for camera, spec in settings.cameras.items()
+                for camera, spec in specs.items()
             }
             sensors = {
                 sensor: SimRangefinder(spec, physics, vehicle.dynamics.pose_history)
                 for sensor, spec in settings.sensors.items()
             }
-            vehicle.fit(cameras, sensors)
+            switch = CameraSwitch(cameras, one_active=model.one_active_camera)
+            vehicle.fit(switch, sensors)
             self._senses += [sensor.sense for sensor in sensors.values()]
 
     @property

@@ -15,6 +15,7 @@ from hal.sim.dynamics import Dynamics
 from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.model import Model
 from hal.sim.noise import CommandNoise
+from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
     ACCEPTED,
@@ -90,12 +91,13 @@ class SimVehicle(BaseVehicle):
             },
         )
         self.profiles = model.profiles
+        self.model = model.name
         self._model = model
         self.dynamics = dynamics
         self._state = dynamics.state
         """At the end of the last mission period."""
         self.capabilities = CAPABILITIES
-        self.cameras: Mapping[str, Camera] = {}
+        self._switch = CameraSwitch({}, one_active=False)
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = dynamics.controller
         self.others_near = False
@@ -139,10 +141,11 @@ class SimVehicle(BaseVehicle):
 
     # Observation.
 
-    def fit(self, cameras: Mapping[str, Camera], sensors: Mapping[str, Sensor]) -> None:
+    def fit(self, switch: CameraSwitch, sensors: Mapping[str, Sensor]) -> None:
         """Mount cameras and sensors, by name."""
-        self.cameras, self.sensors = cameras, sensors
-        mounted = {f"camera.{name}" for name in cameras} | {f"sensor.{name}" for name in sensors}
+        self._switch, self.sensors = switch, sensors
+        mounted = {f"camera.{name}" for name in switch.cameras}
+        mounted |= {f"sensor.{name}" for name in sensors}
         self.capabilities = CAPABILITIES | mounted
 
     def _observed(self) -> Observation:
@@ -413,11 +416,21 @@ class SimVehicle(BaseVehicle):
                 setattr(self._controller, name, value)
         return ACCEPTED
 
+    @property
+    def active_camera(self) -> str | None:
+        return self._switch.active
+
     def camera(self, name: str) -> Camera:
-        if name not in self.cameras:
-            known = ", ".join(self.cameras) or "none"
+        cameras = self._switch.cameras
+        if name not in cameras:
+            known = ", ".join(cameras) or "none"
             raise Unavailable(f"the vehicle '{self.name}' has no camera '{name}' (it has: {known})")
-        return self.cameras[name]
+        return cameras[name]
+
+    def use_camera(self, name: str | None = None) -> None:
+        if name is not None:
+            self.camera(name)
+        self._switch.use(name)
 
     def sensor(self, name: str) -> Sensor:
         if name not in self.sensors:
