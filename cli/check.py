@@ -21,6 +21,7 @@ from cli.options import (
     MissionName,
     WorldName,
     call_limit_option,
+    engine_option,
     limit_option,
     model_option,
     noise_option,
@@ -98,6 +99,7 @@ class Report:
     metavar="N",
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
+@engine_option
 @noise_option("Disturb the commands of these flights, as for `run`.")
 @wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
@@ -112,6 +114,7 @@ def check(
     limit_settings: LimitSettings,
     clearance: float,
     count: int | None,
+    engine: str | None,
     noise: float,
     wind: str | None,
     strict: bool,
@@ -134,7 +137,7 @@ def check(
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
-        own = {"noise": noise, "wind": wind}
+        own = {"engine": engine, "noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
             reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:

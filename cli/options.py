@@ -13,6 +13,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from hal import FlightModel
+from hal.engines import engine_names
 from hal.limits import DIMENSIONS, Limits
 from hal.renderers import renderer_names
 from runner.geometry import CLEARANCE, Terms
@@ -55,6 +56,11 @@ renderer_option = click.option(
     default="raster",
     show_default=True,
     help="What draws the simulator's pictures.",
+)
+engine_option = click.option(
+    "--engine",
+    type=Word(engine_names()),
+    help="The simulator's physics engine.  [default: the first that is installed]",
 )
 shadows_option = click.option(
     "--shadows", is_flag=True, help="What stands on the ground darkens it in pictures."

@@ -24,6 +24,7 @@ from cli.options import (
     call_limit_option,
     cameras,
     complete_parameter,
+    engine_option,
     limit_option,
     model_option,
     noise_option,
@@ -101,6 +102,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Times real time, or max. For the simulator.",
 )
+@engine_option
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
 @wind_option(
     "Let a wind blow in the simulator instead of the world's: speed and compass bearing it comes "
@@ -165,6 +167,7 @@ def run(
     limit_settings: LimitSettings,
     seed: int,
     speed: float | None,
+    engine: str | None,
     noise: float,
     wind: str | None,
     wanted_cameras: dict[str, dict[str, int | float] | None],
@@ -195,6 +198,7 @@ def run(
         if backend == "sim":
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
+                "engine": engine,
                 "noise": noise,
                 "wind": wind,
                 "cameras": joined(in_file, wanted_cameras),

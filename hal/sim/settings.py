@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isfinite
 
+from hal.engines import check_engine
 from hal.renderers import check_renderer
 from hal.sim.effects import Effects, plain_effects, read_effects
 from hal.sim.sensors.camera_spec import plain_cameras
@@ -13,13 +14,15 @@ from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 from worlds.wind import read_wind
 
-_KNOWN = ("noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("engine", "noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
 class Settings:
     """The simulator's settings, checked."""
 
+    engine: str
+    """The name of the physics engine."""
     noise: float
     """Factor of the command noise, 0 for none."""
     physics: Effects
@@ -39,7 +42,8 @@ class Settings:
 def read_settings(given: Mapping[str, object]) -> Settings:
     """Check the given settings and complete them by defaults.
 
-    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-renderer``).
+    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-engine``,
+    ``unknown-renderer``).
     """
     for name in given:
         if name not in _KNOWN:
@@ -62,6 +66,7 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     if not isinstance(physics, str):
         raise UserError("bad-setting", f"'physics' is a text such as 'real', not {physics!r}")
     return Settings(
+        check_engine(given.get("engine")),
         float(noise),
         read_effects(physics),
         _checked_wind(given.get("wind")),
@@ -85,6 +90,7 @@ def _checked_wind(wind: object) -> str | None:
 def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
     return {
+        "engine": settings.engine,
         "noise": settings.noise,
         "physics": plain_effects(settings.physics),
         "wind": settings.wind,

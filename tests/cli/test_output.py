@@ -44,6 +44,8 @@ EVERY_COMMAND = {
     "guide": 0,
     "new mine": 0,
     "picture flown": 0,
+    "doctor": 0,
+    "doctor --json": 0,
     "completion bash": 0,
     "fly hop.yaml": 2,
 }

@@ -19,6 +19,7 @@ from hal.scene.surfaces import sphere_mesh
 from hal.scene.transforms import rotation_matrix
 from hal.sim.bullet_renderers import EglRenderer, TinyRenderer
 from hal.vehicle import Intrinsics
+from tests.hal.engines import needs_pybullet
 from tests.hal.scenes import (
     GREEN,
     ROAD,
@@ -173,6 +174,7 @@ def test_a_textured_face_shows_its_marker_upright_on_every_side() -> None:
             assert third[1] > second[1] + 20
 
 
+@needs_pybullet
 def test_markers_are_detected_at_least_as_far_as_in_the_reference() -> None:
     def seen(renderer: Raster | TinyRenderer, height: float) -> int:
         found = 0
@@ -274,6 +276,7 @@ def _two_balls() -> Mesh:
     return Mesh(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
 
 
+@needs_pybullet
 @pytest.mark.parametrize("shape", [Sphere(1.0), _two_balls()])
 def test_of_what_the_ground_cuts_the_upper_part_is_seen(shape: Shape) -> None:
     pose = look((-6.0, 0.0, 3.0), (6.0, 0.0, 0.0))
@@ -336,6 +339,7 @@ def test_hills_hide_what_is_behind_them_and_bury_what_is_in_them() -> None:
     assert (image == (250, 0, 0)).all(2).sum() > 200
 
 
+@needs_pybullet
 def test_opengl_shows_what_lies_close_to_other_things() -> None:
     """Windows lie 1 cm before their walls, markers 1 cm above the ground."""
     pane = thing_of("pane", Plate(1.0, 1.0), (29.99, 0.0, 2.0), figures.standing(pi), (0, 0, 200))
@@ -389,7 +393,7 @@ def test_what_lies_on_the_ground_is_seen_wherever_it_lies(
         other.close()
 
 
-@pytest.mark.parametrize("renderer", [Raster, TinyRenderer])
+@pytest.mark.parametrize("renderer", [Raster, pytest.param(TinyRenderer, marks=needs_pybullet)])
 def test_roads_lead_over_hills(renderer: type[Raster | TinyRenderer]) -> None:
     """Seen from above, what is painted is where it would be without hills."""
     heights = tuple(
