@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
+from hal.sim.air import Air
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import ContactTracker
 from hal.sim.dynamics import STEPS_PER_PERIOD, Dynamics
@@ -19,13 +21,16 @@ from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.camera_spec import read_cameras
 from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.sensors.rangefinder import SimRangefinder
-from hal.sim.settings import plain_settings, read_settings
+from hal.sim.settings import Settings, plain_settings, read_settings
 from hal.sim.starts import start_poses
 from hal.sim.vehicle import SimVehicle
+from hal.sim.weather import Weather
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
+from worlds.terrain import height_at
+from worlds.wind import read_wind
 from worlds.world import World
 
 
@@ -36,6 +41,17 @@ def find_near(vehicles: Sequence[SimVehicle]) -> None:
     for one, other in combinations(vehicles, 2):
         if one.dynamics.can_meet(other.dynamics):
             one.others_near = other.others_near = True
+
+
+def _air_of(
+    world: World, settings: Settings, vehicles: Sequence[SimVehicle], seed: int
+) -> Air | None:
+    """The air about some vehicles; None where nothing moves it."""
+    wind = world.wind if settings.wind is None else read_wind(settings.wind, "wind")
+    blown_down = settings.physics.downwash and len(vehicles) > 1
+    if wind is None and not blown_down:
+        return None
+    return Air(Weather(wind, seed) if wind else None, vehicles, downwash=blown_down)
 
 
 class SimSession:
@@ -57,6 +73,7 @@ class SimSession:
         self._places = world.places
         origin = world.origin
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
+        self._ground_height = partial(height_at, world.ground.terrain)
         self._count = 0
         self._all: list[SimVehicle] = []
         for spec, model, start in zip(options.vehicles, models, starts, strict=True):
@@ -72,6 +89,8 @@ class SimSession:
                 contacts=ContactTracker(physics, dynamics.body, model, obstacles),
             )
             self._all.append(vehicle)
+        self._air = _air_of(world, settings, self._all, options.seed)
+        """None where it is still."""
         self._senses: list[Callable[[], None]] = []
         """The calls of the sensors after each physics step."""
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
@@ -120,6 +139,10 @@ class SimSession:
     def geographic(self) -> tuple[float, float, float] | None:
         return self._geographic
 
+    @property
+    def ground_height(self) -> Callable[[float, float], float]:
+        return self._ground_height
+
     def wait(self) -> float:
         """Advance by one mission period, six physics steps. Raises VehicleError when closed."""
         if self._physics is None:
@@ -127,6 +150,8 @@ class SimSession:
         vehicles = self._all
         if len(vehicles) > 1:
             find_near(vehicles)
+        if self._air is not None:
+            self._air.begin_period(self._count / PERIODS_PER_SECOND)
         for vehicle in vehicles:
             vehicle.plan()
         free = all(vehicle.dynamics.free for vehicle in vehicles)

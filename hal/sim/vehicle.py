@@ -37,7 +37,7 @@ _ORIGIN = Point(0.0, 0.0, 0.0)
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap", "wind"}
+    | {"battery", "battery.swap", "terrain", "wind"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -353,7 +353,7 @@ class SimVehicle(BaseVehicle):
         if setpoint.velocity is None:
             controller.fly_to(*setpoint.xyz)
         else:
-            self._follow(setpoint.xyz, setpoint.velocity)
+            self._follow(setpoint.xyz, setpoint.velocity, setpoint.acceleration)
         if setpoint.yaw is not None:
             controller.face(setpoint.yaw)
         else:
@@ -369,20 +369,35 @@ class SimVehicle(BaseVehicle):
         controller.tilt(roll, pitch, climb, thrust)
         controller.turn(yaw_rate)
 
-    def _follow(self, place: Point, velocity: Point) -> None:
-        # The acceleration is that between the set-points of two successive periods.
-        led = self._last_feed_forward or velocity
+    def _follow(self, place: Point, velocity: Point, acceleration: Point | None) -> None:
         self._controller.fly_to(*place, velocity)
-        self._controller.acceleration = (
-            (velocity[0] - led[0]) / PERIOD,
-            (velocity[1] - led[1]) / PERIOD,
-            (velocity[2] - led[2]) / PERIOD,
-        )
+        if acceleration is None:
+            # Then it is that between the set-points of two successive periods.
+            led = self._last_feed_forward or velocity
+            acceleration = Point(
+                (velocity[0] - led[0]) / PERIOD,
+                (velocity[1] - led[1]) / PERIOD,
+                (velocity[2] - led[2]) / PERIOD,
+            )
+        self._controller.acceleration = acceleration
         self._feed_forward = velocity
 
     def _brake(self) -> None:
         self._controller.fly_at(0.0, 0.0, 0.0)
         self._braking = True
+
+    @property
+    def limits(self) -> Limits:
+        controller, low = self._controller, self._min_altitude
+        high = controller.max_altitude
+        return Limits(
+            controller.max_speed,
+            controller.max_climb,
+            controller.max_tilt,
+            controller.max_yaw_rate,
+            None if low == -inf else low,
+            None if high == inf else high,
+        )
 
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
