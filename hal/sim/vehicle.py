@@ -14,7 +14,7 @@ from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.dynamics import Dynamics
 from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.model import Model
-from hal.sim.noise import CommandNoise
+from hal.sim.noise import NO_NOISE, CommandNoise
 from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
@@ -515,7 +515,7 @@ class SimVehicle(BaseVehicle):
 
     def _update_mode(self) -> None:
         noise = self._noise.next()
-        self._controller.noise = (0.0, 0.0, 0.0) if self._contacts.supported else noise
+        self._controller.noise = NO_NOISE if self._contacts.supported else noise
         if self._battery.empty and self._armed:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":
