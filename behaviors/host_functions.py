@@ -69,6 +69,16 @@ def swap_battery(channel: Channel) -> Order:
         raise EvaluationError(str(error)) from None
 
 
+def use_camera(channel: Channel, name: str) -> None:
+    """Make a camera the active one, or with ``toggle`` the next one. Raises EvaluationError."""
+    try:
+        channel.vehicle.use_camera(None if name == TOGGLE else name)
+    except Unavailable as error:
+        raise EvaluationError(str(error)) from None
+
+
+TOGGLE = "toggle"
+"""The word for the camera after the active one."""
 HostFunction = Callable[..., Order | None]
 """Gives its order, where the vehicle may still refuse it."""
 HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
@@ -105,6 +115,15 @@ HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
                 "error.execution. Needs the capability battery.swap.",
             ),
             swap_battery,
+        ),
+        "camera": (
+            Function(
+                "camera",
+                "Make a camera the active one, or with toggle the next one, on a vehicle that has "
+                "one active at a time; where all are active nothing happens.",
+                {"name": Parameter("name", TEXT, required=True)},
+            ),
+            use_camera,
         ),
     }
 )

@@ -15,7 +15,7 @@ from typing import Any
 from behaviors.activity import DroneActivity
 from behaviors.calls import Calls, CodeFailed
 from behaviors.channel import Channel
-from behaviors.frame import MissionFrame
+from behaviors.frame import GroundHeight, MissionFrame
 from behaviors.host_functions import HOST_FUNCTIONS
 from behaviors.landing import Aside, Descent, is_unstable
 from behaviors.vocabulary import VehicleView
@@ -125,9 +125,12 @@ class Pilot:
         for capability, node in graph.required().items():
             if capability not in self.vehicle.capabilities:
                 behavior = node.invocation.behavior.name if node.invocation else ""
+                model = (
+                    f"the model '{self.vehicle.model}'" if self.vehicle.model else "this vehicle"
+                )
                 raise UserError(
                     "missing-capability",
-                    f"'{behavior}' needs '{capability}', which this vehicle does not have",
+                    f"'{behavior}' needs '{capability}', which {model} does not have",
                     node.where,
                     f"it has: {', '.join(sorted(self.vehicle.capabilities))}",
                 )
@@ -144,13 +147,22 @@ class Pilot:
         """Start a behaviour for a state (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
+        self._activate_camera(behavior)
         return DroneActivity(behavior, parameters, progress, self.channel, self._post, self._calls)
 
     def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> DroneActivity:
         """Go on with a behaviour of a saved run (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
+        self._activate_camera(behavior)
         return DroneActivity.resumed(behavior, saved, self.channel, self._post, self._calls)
+
+    def _activate_camera(self, behavior: BehaviorInfo) -> None:
+        """Make the camera that a behaviour needs the active one, where only one is."""
+        for word in behavior.requires:
+            kind, _, name = word.partition(".")
+            if kind == "camera":
+                self.channel.vehicle.use_camera(name)
 
     def _post(self, name: str, fields: Mapping[str, Any]) -> None:
         """Queue an event of a behaviour for the next period."""
@@ -436,6 +448,7 @@ def resume_flight(
     *,
     places: Mapping[str, Point] | None = None,
     geographic: tuple[float, float, float] | None = None,
+    ground_height: GroundHeight | None = None,
     thresholds: Thresholds | None = None,
 ) -> Pilot:
     """A pilot that continues a saved flight.
@@ -447,7 +460,7 @@ def resume_flight(
         raise _torn()
     try:
         origin, origin_shift = unpack(known["origin"]), unpack(known["origin_shift"])
-        frame = MissionFrame(origin, places, geographic, origin_shift)
+        frame = MissionFrame(origin, places, geographic, origin_shift, ground_height)
         pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
         _go_on(pilot, known)
     except TORN:

@@ -15,26 +15,36 @@ import click
 from behaviors import Calls
 from cli.fixes import fix_of
 from cli.options import (
+    SIMULATOR,
     Length,
     LimitSettings,
     MissionName,
     WorldName,
     call_limit_option,
+    engine_option,
     limit_option,
+    model_option,
     noise_option,
     wind_option,
 )
 from cli.output import echo_json
 from cli.user_code import user_code
 from fsm import Graph
-from hal import backend_capabilities, flight_model
+from hal import VehicleModel, backend_capabilities, flight_model
 from runner import missions
+from runner.by_vehicle import ALONE
 from runner.call_limit import CallLimit
 from runner.fleets import PreparedFleet, check_ways, prepare_any
-from runner.geometry import CLEARANCE, Findings, Terms, check_geometry
-from runner.plan import Plan
+from runner.geometry import CLEARANCE, Findings
+from runner.plan import Assignment, Plan, with_model
 from runner.trial_flights import Trial, fly_trials
-from vencejo.errors import Fault, UserError
+from runner.vehicle_models import (
+    faults_of_models,
+    flight_of,
+    missing_capabilities,
+    models_of,
+)
+from vencejo.errors import Fault, UserError, Where
 
 
 @dataclass(frozen=True)
@@ -73,6 +83,7 @@ class Report:
 @click.argument("missions_", metavar="MISSION...", nargs=-1, required=True, type=MissionName())
 @click.option("--world", type=WorldName(), metavar="NAME|FILE", help="Check against another world.")
 @click.option("--backend", metavar="NAME", help="Check that this backend can do what is needed.")
+@model_option("Check that this model of vehicle can do what is needed.")
 @limit_option("Check against limits of flight, as for `run`. Repeatable.")
 @click.option(
     "--clearance",
@@ -88,6 +99,7 @@ class Report:
     metavar="N",
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
+@engine_option
 @noise_option("Disturb the commands of these flights, as for `run`.")
 @wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
@@ -98,9 +110,11 @@ def check(
     missions_: tuple[str, ...],
     world: str | None,
     backend: str | None,
+    model: str | None,
     limit_settings: LimitSettings,
     clearance: float,
     count: int | None,
+    engine: str | None,
     noise: float,
     wind: str | None,
     strict: bool,
@@ -115,17 +129,15 @@ def check(
     behaviours are taken on trust. Exit code: 0 all may fly, 2 at least one may not; with --fly 1
     when all may but a flight did not end in `done`.
     """
-    model = flight_model(backend or "sim")
-    terms = Terms(model, limit_settings.on(model), clearance)
+    asked = _Asked(world, backend, model, limit_settings, clearance, not no_code)
+    flight = flight_model(backend or SIMULATOR, model)
+    limit_settings.terms(flight)  # refuses wrong limits before any mission is read
     with _no_garbage(), user_code(call_limit) as limit:
-        reports = [_report(m, world, terms, not no_code, limit.calls) for m in missions_]
-    if backend is not None:
-        offered = backend_capabilities(backend)
-        reports = [_compared(report, backend, offered) for report in reports]
+        reports = [_report(mission, asked, limit.calls) for mission in missions_]
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
-        own = {"noise": noise, "wind": wind}
+        own = {"engine": engine, "noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
             reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:
@@ -169,22 +181,42 @@ def _flown(
     return replace(report, trials=tuple(fly_trials(plan, range(count), limit)))
 
 
-def _report(mission: str, world: str | None, terms: Terms, code: bool, calls: Calls) -> Report:
+@dataclass(frozen=True)
+class _Asked:
+    """What missions are checked against."""
+
+    world: str | None
+    backend: str | None
+    model: str | None
+    limit_settings: LimitSettings
+    clearance: float
+    code: bool
+    """Whether the Python files that missions use are run."""
+
+
+def _report(mission: str, asked: _Asked, calls: Calls) -> Report:
     try:
-        prepared = prepare_any(missions.find(mission), world, code=code, calls=calls)
+        prepared = prepare_any(missions.find(mission), asked.world, code=asked.code, calls=calls)
     except UserError as error:
         return Report(mission, error.faults)
     if isinstance(prepared, PreparedFleet):
-        return _fleet_report(mission, prepared, terms, calls)
+        return _fleet_report(mission, prepared, asked, calls)
+    plan = Plan(with_model({ALONE: Assignment(prepared)}, asked.model, Where("--model")))
+    try:
+        findings = _looked(plan.assignments, asked, calls)
+    except UserError as error:
+        return Report(mission, error.faults)
     graph = prepared.graph
-    findings = check_geometry(graph, prepared.world, terms, calls=calls)
     told = (*graph.warnings, *findings.faults)
-    return Report(mission, told, (graph,), plan=Plan.alone(prepared), findings=findings)
+    return Report(mission, told, (graph,), plan=plan, findings=findings)
 
 
-def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls) -> Report:
-    assignments = fleet.assignments
-    findings = check_ways(assignments, terms, calls)
+def _fleet_report(mission: str, fleet: PreparedFleet, asked: _Asked, calls: Calls) -> Report:
+    assignments = with_model(fleet.assignments, asked.model, Where("--model"))
+    try:
+        findings = _looked(assignments, asked, calls)
+    except UserError as error:
+        return Report(mission, (*fleet.faults, *error.faults), fleet=True)
     return Report(
         mission,
         tuple(dict.fromkeys((*fleet.faults, *findings.faults))),
@@ -195,25 +227,30 @@ def _fleet_report(mission: str, fleet: PreparedFleet, terms: Terms, calls: Calls
     )
 
 
-def _compared(report: Report, backend: str, offered: frozenset[str]) -> Report:
-    """The report, with a fault for each capability that the backend lacks."""
-    missing = [fault for graph in report.graphs for fault in _missing(graph, backend, offered)]
-    return replace(report, faults=(*missing, *report.faults))
+def _looked(assignments: Mapping[str, Assignment], asked: _Asked, calls: Calls) -> Findings:
+    """What is found of where vehicles fly, and of what their models can do. Raises UserError."""
+    backend = asked.backend or SIMULATOR
+    models = models_of(backend, assignments)
+    terms = {
+        name: asked.limit_settings.terms(flight_of(backend, model), asked.clearance)
+        for name, model in models.items()
+    }
+    faults = list(faults_of_models(assignments, models))
+    for name, model in models.items():
+        # Without a word on what flies, any vehicle may.
+        if asked.backend is not None or assignments[name].model_word is not None:
+            faults += _lacking(assignments[name].prepared.graph, backend, model)
+    found = check_ways(assignments, terms, calls)
+    return replace(found, faults=(*faults, *found.faults))
 
 
-def _missing(graph: Graph, backend: str, offered: frozenset[str]) -> list[Fault]:
-    """Faults for the capabilities that behaviours need and a backend does not offer."""
-    return [
-        Fault(
-            "missing-capability",
-            f"'{node.invocation.behavior.name if node.invocation else node.path}' needs "
-            f"'{capability}', which the backend '{backend}' does not offer",
-            node.where,
-            f"it offers: {', '.join(sorted(offered))}",
-        )
-        for capability, node in graph.required().items()
-        if capability not in offered
-    ]
+def _lacking(graph: Graph, backend: str, model: VehicleModel | None) -> Iterator[Fault]:
+    """Faults for what a mission needs and a backend's vehicle does not offer."""
+    if model is None:
+        who, offered = f"the backend '{backend}'", backend_capabilities(backend)
+    else:
+        who, offered = f"the model '{model.name}' of the backend '{backend}'", model.capabilities
+    yield from missing_capabilities(graph, offered, who)
 
 
 def _shown(report: Report) -> dict[str, Any]:

@@ -23,11 +23,13 @@ COMMANDS = {
     "show": ("cli.show:show", "Show a mission's graph as text or as a picture."),
     "missions": ("cli.lists:missions", "List missions, show one, or copy one to change it."),
     "behaviors": ("cli.lists:behaviors", "List behaviours, or explain one."),
+    "models": ("cli.models:models", "List models of vehicles, or show one."),
     "worlds": ("cli.lists:worlds", "List worlds, or show one."),
     "guide": ("cli.guide:guide", "Print language, behaviours and examples on one page."),
     "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),
+    "doctor": ("cli.doctor:doctor", "Tell what is installed, what works here, what is missing."),
     "completion": ("cli.completion:completion", "Print shell completion to source."),
 }
 PACKAGES = ("vencejo", "fsm", "behaviors", "hal", "worlds", "runner", "cli")

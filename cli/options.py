@@ -13,8 +13,10 @@ import click
 from click.shell_completion import CompletionItem
 
 from hal import FlightModel
+from hal.engines import engine_names
 from hal.limits import DIMENSIONS, Limits
 from hal.renderers import renderer_names
+from runner.geometry import CLEARANCE, Terms
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, YamlNode
 from vencejo.units import LENGTH, TIME, read_quantity
@@ -54,6 +56,11 @@ renderer_option = click.option(
     default="raster",
     show_default=True,
     help="What draws the simulator's pictures.",
+)
+engine_option = click.option(
+    "--engine",
+    type=Word(engine_names()),
+    help="The simulator's physics engine.  [default: the first that is installed]",
 )
 shadows_option = click.option(
     "--shadows", is_flag=True, help="What stands on the ground darkens it in pictures."
@@ -197,6 +204,28 @@ class WorldName(_Name):
         return [*world_names(), *(f"{family}:" for family in world_families())]
 
 
+class ModelName(_Name):
+    """A model of the simulator's vehicles, by path or name."""
+
+    name = "model"
+    endings = (".yaml", ".yml")
+
+    def known(self, ctx: click.Context) -> Iterable[str]:
+        from hal import backend_models
+
+        models = backend_models(SIMULATOR)
+        return models.names() if models else []
+
+
+SIMULATOR = "sim"
+"""The backend whose vehicles have models."""
+
+
+def model_option(text: str) -> Callable[[F], F]:
+    """The option ``--model``, with its help."""
+    return click.option("--model", type=ModelName(), metavar="NAME|FILE", help=text)
+
+
 class BehaviorName(_Name):
     """A behaviour by name; ``--uses FILE`` before it adds those of a file, which is not run."""
 
@@ -300,6 +329,10 @@ class LimitSettings:
             message = f"there is no profile '{self.profile}'"
             raise UserError("bad-limit", message, Where("--limit"), hint)
         return wanted.over(model.profiles[self.profile])
+
+    def terms(self, model: FlightModel | None, clearance: float = CLEARANCE) -> Terms:
+        """What the ways of such vehicles are checked on. Raises UserError (``bad-limit``)."""
+        return Terms(model, self.on(model), clearance)
 
 
 def limits(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> LimitSettings:

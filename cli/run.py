@@ -24,7 +24,9 @@ from cli.options import (
     call_limit_option,
     cameras,
     complete_parameter,
+    engine_option,
     limit_option,
+    model_option,
     noise_option,
     renderer_option,
     shadows_option,
@@ -35,22 +37,22 @@ from cli.signals import Interrupts
 from cli.user_code import user_code
 from fsm import parse_parameters
 from fsm.engine.instance import Record
-from hal import backend_names, flight_model
+from hal import backend_names
 from runner import missions
 from runner.again import Recorded
 from runner.appended_file import as_json as as_json_value
 from runner.by_vehicle import ALONE
 from runner.camera_file import joined, read_camera_file
 from runner.fleets import PreparedFleet, check_ways, prepare_any, with_parameters
-from runner.geometry import Terms
 from runner.loop import Watcher, fly
 from runner.missions import Found
 from runner.pace import Pace
-from runner.plan import Assignment, Fleet, Plan
+from runner.plan import Assignment, Fleet, Plan, with_model
 from runner.posts import parse_posts
 from runner.recorder import Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
-from vencejo.errors import Fault, OutputError, Stopped, UserError
+from runner.vehicle_models import faults_of_models, flight_of, models_of
+from vencejo.errors import Fault, OutputError, Stopped, UserError, Where
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -74,6 +76,7 @@ if TYPE_CHECKING:
     metavar="NAME|FILE",
     help="Fly in another world than the mission names.",
 )
+@model_option("Fly another model of vehicle than the fleet or the world names.")
 @click.option(
     "-p",
     "--parameter",
@@ -99,6 +102,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Times real time, or max. For the simulator.",
 )
+@engine_option
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
 @wind_option(
     "Let a wind blow in the simulator instead of the world's: speed and compass bearing it comes "
@@ -158,10 +162,12 @@ def run(
     backend: str,
     connect: str | None,
     world: str | None,
+    model: str | None,
     parameters: dict[str, str],
     limit_settings: LimitSettings,
     seed: int,
     speed: float | None,
+    engine: str | None,
     noise: float,
     wind: str | None,
     wanted_cameras: dict[str, dict[str, int | float] | None],
@@ -192,6 +198,7 @@ def run(
         if backend == "sim":
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
+                "engine": engine,
                 "noise": noise,
                 "wind": wind,
                 "cameras": joined(in_file, wanted_cameras),
@@ -202,6 +209,7 @@ def run(
             doubtful: list[Fault] = []
             found = missions.find(mission)
             assignments, fleet = _assignments(found, world, parameters, limit.calls, doubtful)
+            assignments = with_model(assignments, model, Where("--model"))
             flown = {name: each for name, each in assignments.items() if not each.stands}
             graphs = {name: each.prepared.graph for name, each in flown.items()}
             plan = Plan(
@@ -276,9 +284,15 @@ def _assignments(
 
 def _warn_of_ways(plan: Plan, limit_settings: LimitSettings, calls: Calls) -> None:
     """Show what the possible ways of missions meet in their world."""
-    model = flight_model(plan.backend)
-    terms = Terms(model, limit_settings.on(model))
-    for fault in check_ways(plan.assignments, terms, calls).faults:
+    models = models_of(plan.backend, plan.assignments)
+    conflicts = list(faults_of_models(plan.assignments, models))
+    errors = [fault for fault in conflicts if fault.severity == "error"]
+    if errors:
+        raise UserError.of(errors)
+    terms = {
+        name: limit_settings.terms(flight_of(plan.backend, model)) for name, model in models.items()
+    }
+    for fault in (*conflicts, *check_ways(plan.assignments, terms, calls).faults):
         click.echo(str(fault), err=True)
 
 

@@ -106,9 +106,10 @@ def _end(flown: Mapping[str, Any], *, success: bool) -> tuple[str, str]:
 
 
 def _figures(flown: Mapping[str, Any]) -> str:
+    model = f", {flown['model']}" if "model" in flown else ""
     return (
         f"{flown['distance_m']:.1f} m, up to {flown['max_altitude_m']:.1f} m, "
-        f"battery {flown['battery_left']:.0%}"
+        f"battery {flown['battery_left']:.0%}{model}"
     )
 
 

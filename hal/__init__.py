@@ -1,8 +1,15 @@
 """Vehicles: the contract that missions fly on, and its backends found by name."""
 
-from hal.backends import backend_capabilities, backend_names, flight_model, open_backend
+from hal.backends import (
+    backend_capabilities,
+    backend_models,
+    backend_names,
+    flight_model,
+    open_backend,
+    vehicle_model,
+)
 from hal.base import BaseSession, BaseVehicle
-from hal.flight_model import FlightModel
+from hal.flight_model import FlightModel, VehicleModel
 from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import Order, Orders
@@ -58,11 +65,14 @@ __all__ = [
     "Unavailable",
     "Vehicle",
     "VehicleEvent",
+    "VehicleModel",
     "VehicleSpec",
     "Velocity",
     "VisionPose",
     "backend_capabilities",
+    "backend_models",
     "backend_names",
     "flight_model",
     "open_backend",
+    "vehicle_model",
 ]

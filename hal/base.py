@@ -55,6 +55,7 @@ class BaseVehicle:
 
     capabilities: frozenset[str] = frozenset()
     profiles: Mapping[str, Limits] = MappingProxyType({})
+    model = ""
 
     def __init__(self, name: str, decisions: Mapping[str, Decide]) -> None:
         """``decisions``: the function that decides on each verb that the vehicle has."""
@@ -70,6 +71,11 @@ class BaseVehicle:
         """Time at the end of the last period, seconds of the session's clock."""
 
     # Methods for subclasses to override.
+
+    @property
+    def limits(self) -> Limits:
+        """See the contract: a vehicle that does not override it does not know its limits."""
+        return Limits()
 
     def refusal(self) -> str:
         """The reason why the vehicle cannot fly a set-point now; empty when it can."""
@@ -208,6 +214,15 @@ class BaseVehicle:
     def camera(self, name: str) -> Camera:
         raise Unavailable(f"the vehicle '{self._name}' has no camera '{name}'")
 
+    @property
+    def active_camera(self) -> str | None:
+        return None
+
+    def use_camera(self, name: str | None = None) -> None:
+        """Every camera is active: nothing is to be done."""
+        if name is not None:
+            self.camera(name)
+
     def sensor(self, name: str) -> Sensor:
         raise Unavailable(f"the vehicle '{self._name}' has no sensor '{name}'")
 
@@ -228,6 +243,7 @@ class BaseSession(Generic[V]):
     settings: Mapping[str, object] = MappingProxyType({})
     places: Mapping[str, Point] = MappingProxyType({})
     geographic: tuple[float, float, float] | None = None
+    ground_height: Callable[[float, float], float] | None = None
 
     def __init__(self, vehicles: Iterable[V]) -> None:
         self.vehicles: Mapping[str, V] = MappingProxyType({each.name: each for each in vehicles})

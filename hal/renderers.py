@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Protocol
 
 from hal.vehicle import Intrinsics
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 GROUP = "vencejo.renderers"
-_WINDOW = "hal.sim.bullet_renderers:show"
+_BULLET = "hal.sim.bullet_renderers"
+"""The module of pybullet's renderers and of its window."""
 
 
 class Renderer(Protocol):
@@ -49,9 +51,14 @@ def renderer_names() -> list[str]:
 
 
 def check_renderer(name: object) -> str:
-    """The name of an installed renderer. Raises UserError (``unknown-renderer``)."""
+    """The name of a renderer that can be opened.
+
+    Raises UserError (``unknown-renderer``, ``no-pybullet``).
+    """
     if not isinstance(name, str) or name not in plugins(GROUP):
         raise _unknown(name)
+    if plugins(GROUP)[name].module == _BULLET:
+        _need_pybullet(f"the renderer '{name}'")
     return name
 
 
@@ -62,17 +69,30 @@ def open_renderer(
 
     ``vehicles``: the appearance of each, by its name. ``shadows``: things cast shadows on the
     ground. Raises UserError for an unknown name (``unknown-renderer``), a texture that cannot be
-    read, or a renderer that does not run on this machine.
+    read, or a renderer that does not run on this machine (``no-pybullet``, ``no-egl``).
     """
     renderer: Renderer = plugins(GROUP)[check_renderer(name)].load()(world, vehicles, shadows)
     return renderer
 
 
 def show_window(world: World) -> None:
-    """Show a world in a window until it is closed. Raises UserError without a display."""
-    module, _, attribute = _WINDOW.partition(":")
-    show: Any = getattr(import_module(module), attribute)
+    """Show a world in a window until it is closed.
+
+    Raises UserError without a display (``no-display``) or without pybullet (``no-pybullet``).
+    """
+    _need_pybullet("the window")
+    show: Any = import_module(_BULLET).show
     show(world)
+
+
+def _need_pybullet(what: str) -> None:
+    if find_spec("pybullet") is None:
+        raise UserError(
+            "no-pybullet",
+            f"{what} is pybullet's, which is not installed",
+            hint="the renderer 'raster' needs nothing else; `worlds NAME --render FILE` draws a "
+            'picture; for pybullet run: pip install "vencejo[bullet]"',
+        )
 
 
 def _unknown(name: object) -> UserError:

@@ -10,7 +10,7 @@ return an :class:`~hal.orders.Order` to poll, and a set-point is valid for a sho
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, tan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
@@ -115,14 +115,18 @@ class Velocity(NamedTuple):
 class Position(NamedTuple):
     """Fly to a place (world frame), and be there at ``velocity``, m/s (feed-forward).
 
-    A moving position is sent anew every period; a fixed one needs no velocity. ``yaw`` (radians)
-    asks for a heading, otherwise ``yaw_rate`` (rad/s) turns; with neither the heading stays.
+    A moving position is where the vehicle is to be when it is sent, with the mean velocity and
+    ``acceleration`` (m/s², feed-forward) until the next one, and it is sent anew every period; a
+    fixed one needs neither. ``yaw`` (radians) asks for a heading, otherwise ``yaw_rate`` (rad/s)
+    turns; with neither the heading stays.
     """
 
     xyz: Point
     velocity: Point | None = None
     yaw: float | None = None
     yaw_rate: float | None = None
+    acceleration: Point | None = None
+    """Without it, as far as a vehicle asks, the change of the velocity since the last one."""
 
 
 class Attitude(NamedTuple):
@@ -162,6 +166,9 @@ def is_finite(setpoint: Setpoint) -> bool:
         total = x + y + z + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
         if setpoint.velocity is not None:
             x, y, z = setpoint.velocity
+            total += x + y + z
+        if setpoint.acceleration is not None:
+            x, y, z = setpoint.acceleration
             total += x + y + z
     elif isinstance(setpoint, Velocity):
         total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate
@@ -277,12 +284,22 @@ class Vehicle(Protocol):
     def name(self) -> str: ...
 
     @property
+    def model(self) -> str:
+        """The name of its model; empty where it is not known."""
+
+    @property
     def capabilities(self) -> frozenset[str]:
         """Words such as ``position``, ``velocity``, ``arm``, ``takeoff``, ``camera.front``."""
 
     @property
     def profiles(self) -> Mapping[str, Limits]:
         """Named limits of the vehicle's model (``indoor``, ``outdoor``), altitudes above home."""
+
+    @property
+    def limits(self) -> Limits:
+        """The limits as they hold now, altitudes in the world frame; None where it is not known,
+        or there is none.
+        """
 
     def observe(self) -> Observation:
         """The state at the present mission period.
@@ -340,8 +357,21 @@ class Vehicle(Protocol):
         validity that is not above 0.
         """
 
+    @property
+    def active_camera(self) -> str | None:
+        """The only camera that delivers images now; None where all do.
+
+        Reading another one raises Unavailable.
+        """
+
     def camera(self, name: str) -> Camera:
         """A camera by name. Raises Unavailable."""
+
+    def use_camera(self, name: str | None = None) -> None:
+        """Make a camera the active one at once, or the next one. Where all are, nothing happens.
+
+        Raises Unavailable for a camera that the vehicle does not have.
+        """
 
     def sensor(self, name: str) -> Sensor:
         """A sensor by name. Raises Unavailable."""
@@ -380,6 +410,13 @@ class Session(Protocol):
     def geographic(self) -> tuple[float, float, float] | None:
         """Latitude, longitude (degrees) and altitude (m) of the world frame's origin, if known."""
 
+    @property
+    def ground_height(self) -> Callable[[float, float], float] | None:
+        """The height of the ground (terrain, not things) at a place (x, y), world frame, metres;
+        None where that is not known. Vehicles of a session that has it have the capability
+        ``terrain``.
+        """
+
     def wait(self) -> float:
         """Advance to the next mission period, and return the step made, seconds.
 
@@ -402,7 +439,7 @@ class VehicleSpec:
 
     name: str
     model: str | None = None
-    """The name of its model; None for the backend's default."""
+    """The name of its model, or the path of its file; None for the world's or the default."""
     start: Start | None = None
     """Its place and heading when the run begins, world frame; None for a start of the world."""
     color: Rgb | None = None

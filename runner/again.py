@@ -83,10 +83,14 @@ class Recorded:
             prepared,
             mission.parameters,
             stands=not mission.file,
-            model=mission.model,
+            model=self._model(mission.model),
             start=mission.start,
             color=mission.color,
         )
+
+    def _model(self, word: str | None) -> str | None:
+        """The word for a model, where it is a kept file that of its copy."""
+        return str(self.folder / word) if word and word in self.settings.files else word
 
     def _fleet(self, assignments: Mapping[str, Assignment]) -> Fleet | None:
         name, file, text = self.settings.fleet, self.settings.fleet_file, self.settings.until

@@ -29,6 +29,7 @@ from runner.missions import Found
 from runner.plan import Assignment, Fleet, starts_of
 from runner.preparation import Prepared, prepare, prepare_member, world_word
 from vencejo.errors import Fault, UserError, Where, nearest
+from vencejo.files import named_from
 from worlds import Start, World, find_world
 from worlds.environment import START
 from worlds.starts import PlannedStart, bad_starts, overlapping, starts_outside
@@ -126,7 +127,8 @@ def prepare_fleet(
                 prepared,
                 given_parameters(member, prepared.graph, Faults()),  # `check_fleet` tells of them
                 stands=member.spec is None,
-                model=member.model.text if member.model else None,
+                model=named_from(found.path.parent, member.model.text) if member.model else None,
+                model_where=member.model.where if member.model else None,
                 start=start,
                 color=color,
             )
@@ -201,16 +203,16 @@ def _until(spec: FleetSpec, graphs: Mapping[str, Graph]) -> Until | None:
 
 
 def check_ways(
-    assignments: Mapping[str, Assignment], terms: Terms, calls: Calls | None = None
+    assignments: Mapping[str, Assignment], terms: Mapping[str, Terms], calls: Calls | None = None
 ) -> Findings:
-    """Look at where each vehicle of a run may fly (see :func:`runner.geometry.check_geometry`); of
-    several, what is found says of which.
+    """Look at where each vehicle of a run may fly (see :func:`runner.geometry.check_geometry`), on
+    its own ``terms``; of several, what is found says of which.
     """
     found = {}
     for name, start in starts_of(assignments).items():
         flown = assignments[name]
         graph, world = flown.prepared.graph, flown.prepared.world
-        found[name] = check_geometry(graph, world, terms, flown.parameters, calls, start)
+        found[name] = check_geometry(graph, world, terms[name], flown.parameters, calls, start)
     if are_alone(found):
         return found[ALONE]
     return Findings(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import dist, floor
 from typing import Any
 
@@ -27,6 +28,7 @@ from vencejo.nodes import Scalar
 from worlds import Start, World
 from worlds.fence import leaves
 from worlds.obstacles import Near, Obstacles
+from worlds.terrain import height_at
 
 CLEARANCE = 0.5
 """Least distance from things that is asked for by default, metres."""
@@ -84,7 +86,8 @@ def check_geometry(
     start, obstacles = start or world.starts[0], Obstacles(world)
     origin = world.origin
     geographic = (origin.lat, origin.lon, origin.alt) if origin else None
-    frame = MissionFrame(start.at, world.places, geographic)
+    ground = partial(height_at, world.ground.terrain)
+    frame = MissionFrame(start.at, world.places, geographic, ground_height=ground)
 
     def ground_below(place: Point) -> float:
         return obstacles.below(frame.to_world(place)).height - start.at.z

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os.path
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import sha256
 from itertools import count
 from pathlib import Path, PurePosixPath
@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from runner.plan import Plan
 from runner.preparation import Prepared
 from runner.run_folder import OWN_NAMES
+from vencejo.files import is_file_word
 from worlds import World
 
 _ELSEWHERE = "elsewhere"
@@ -32,6 +33,8 @@ class KeptFiles:
     camera_file: str | None
     fleet: str = ""
     """The fleet's own file; empty for none."""
+    models: Mapping[str, str] = field(default_factory=dict)
+    """Path of a model that a vehicle was given → its copy."""
 
     def hashes(self) -> dict[str, str]:
         """SHA-256 of each, hexadecimal."""
@@ -44,7 +47,7 @@ def file_hash(content: bytes) -> str:
 
 
 def kept_files(plan: Plan) -> KeptFiles:
-    """The copies of a plan's missions, their code, the world and the camera file.
+    """The copies of a plan's missions, their code, the world, the camera file and models.
 
     Missions, and what they include and use, come first; what has a name that is taken goes into a
     folder of its own, with all that it names.
@@ -61,7 +64,12 @@ def kept_files(plan: Plan) -> KeptFiles:
     if plan.camera_file is not None:
         copies = _copies([plan.camera_file], plan.camera_file.parent)
         camera_file = _add(contents, copies, "cameras")
-    return KeptFiles(contents, missions, world, camera_file, kept)
+    models = {}
+    for each in plan.assignments.values():
+        if each.model and is_file_word(each.model) and each.model not in models:
+            path = Path(each.model)
+            models[each.model] = _add(contents, _copies([path], path.parent), "models")
+    return KeptFiles(contents, missions, world, camera_file, kept, models)
 
 
 def _keep_missions(flown: Mapping[str, Prepared], contents: dict[str, bytes]) -> dict[str, str]:

@@ -7,7 +7,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import PurePosixPath
@@ -386,7 +386,7 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
     """A vehicle with its mission, about to begin with a period of ``dt`` seconds."""
     vehicle, assignment = session.vehicles[name], plan.assignments[name]
     seen = vehicle.observe()
-    frame = MissionFrame.at_start(seen, session.places, session.geographic)
+    frame = MissionFrame.at_start(seen, session.places, session.geographic, session.ground_height)
     graph, parameters = assignment.prepared.graph, assignment.parameters
     pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed, calls=calls)
     try:
@@ -404,9 +404,12 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
     unlisted = {n: value for n, value in plan.settings.items() if n not in session.settings}
     return Header(
         missions={
-            name: _facts(flown, PurePosixPath(files.missions[name]), hashes)
-            if name in files.missions
-            else MissionFacts("", "", {})
+            name: replace(
+                _facts(flown, PurePosixPath(files.missions[name]), hashes)
+                if name in files.missions
+                else MissionFacts("", "", {}),
+                model=session.vehicles[name].model,
+            )
             for name, flown in plan.assignments.items()
         },
         fleet=plan.fleet.name if plan.fleet else "",
@@ -421,7 +424,7 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
                 name: MissionSettings(
                     files.missions.get(name, ""),
                     flown.all_parameters,
-                    flown.model,
+                    files.models.get(flown.model or "", flown.model),
                     flown.start,
                     flown.color,
                 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,6 +13,7 @@ from hal.lights import Rgb
 from runner.by_vehicle import ALONE
 from runner.posts import Post
 from runner.preparation import Prepared
+from vencejo.errors import Where
 from worlds import Start, World
 from worlds.starts import starts_for
 
@@ -27,17 +28,35 @@ class Assignment:
     stands: bool = False
     """Whether it has no mission of its own: it stands until all others are down."""
     model: str | None = None
-    """The name of its model; None for the backend's default."""
+    """The name of its model, or the path of its file; None for the world's, or the default."""
+    model_where: Where | None = None
+    """The place that names it, for messages."""
     start: Start | None = None
     """Its start, world frame; None for one of the world's."""
     color: Rgb | None = None
     """The colour of its hull; None for one that its name decides."""
 
     @property
+    def model_word(self) -> str | None:
+        """The word for its model: its own, or else its world's; None for the default."""
+        return self.model or self.prepared.world.model
+
+    @property
     def all_parameters(self) -> dict[str, Any]:
         """Their values, with the defaults of those that are not given."""
         known = self.prepared.graph.parameters
         return {name: self.parameters.get(name, known[name].default) for name in known}
+
+
+def with_model(
+    assignments: Mapping[str, Assignment], model: str | None, where: Where
+) -> dict[str, Assignment]:
+    """The same with another model for all vehicles, which ``where`` names; None for their own."""
+    if model is None:
+        return dict(assignments)
+    return {
+        name: replace(each, model=model, model_where=where) for name, each in assignments.items()
+    }
 
 
 def starts_of(assignments: Mapping[str, Assignment]) -> dict[str, Start]:

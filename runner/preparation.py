@@ -15,6 +15,7 @@ from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
 from runner.missions import Found
 from vencejo.errors import Where
+from vencejo.files import named_from
 from vencejo.nodes import Scalar
 from worlds import World, find_world
 
@@ -169,8 +170,4 @@ def world_word(named: Scalar | None, folder: Path, given: str | None) -> tuple[s
         return given, Where("--world")
     if named is None:
         return DEFAULT_WORLD, None
-    word = named.text
-    if word.endswith((".yaml", ".yml")):
-        # A world's file is named from where the mission lies, not from where one happens to be.
-        return str(folder / word), named.where
-    return word, named.where
+    return named_from(folder, named.text), named.where

@@ -54,6 +54,8 @@ class MissionFacts:
     parameters: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
     """SHA-256 of the files that the mission includes and uses, by path from its folder."""
+    model: str = ""
+    """The name of the vehicle's model; empty where it is not known."""
 
 
 @dataclass(frozen=True)
@@ -223,6 +225,7 @@ def header_fields(header: Header) -> dict[str, Any]:
             "mission_sha256": mission.sha256 or None,
             **({"files_sha256": dict(mission.files)} if mission.files else {}),
             "parameters": dict(mission.parameters),
+            **_model_fields(mission),
         }
         for vehicle, mission in header.missions.items()
     }
@@ -241,6 +244,10 @@ def header_fields(header: Header) -> dict[str, Any]:
     return joined(vehicles, run, _HEADER_ORDER)
 
 
+def _model_fields(mission: MissionFacts) -> dict[str, str]:
+    return {"model": mission.model} if mission.model else {}
+
+
 def _settings_fields(header: Header) -> dict[str, Any]:
     return {"settings": settings_fields(header.settings)} if header.settings else {}
 
@@ -248,7 +255,7 @@ def _settings_fields(header: Header) -> dict[str, Any]:
 _HEADER_ORDER = (
     *("format", "version", "fleet", "mission", "mission_sha256", "files_sha256"),
     *("vehicles", "world"),
-    *("world_sha256", "seed", "parameters", "backend", "engine", "vencejo", "settings"),
+    *("world_sha256", "seed", "parameters", "model", "backend", "engine", "vencejo", "settings"),
 )
 
 
@@ -267,6 +274,11 @@ def frames_header() -> dict[str, Any]:
 def frame_file(vehicle: str, camera: str, frame: Frame) -> str:
     """The path of a picture, from the run folder."""
     return f"frames/{vehicle}/{camera}/{frame.sequence:06d}.jpg"
+
+
+def photo_file(vehicle: str, name: str, number: int) -> str:
+    """The path of the n-th photo of a name, from the run folder."""
+    return f"photos/{vehicle}/{name}{f'-{number}' if number > 1 else ''}.jpg"
 
 
 def frame_fields(
@@ -312,6 +324,7 @@ def summary_fields(summary: Summary, folder: Path | None) -> dict[str, Any]:
             "mission": header.missions[vehicle].name or None,
             **_flown_fields(flown),
             "parameters": dict(header.missions[vehicle].parameters),
+            **_model_fields(header.missions[vehicle]),
         }
         for vehicle, flown in summary.vehicles.items()
     }
@@ -350,7 +363,7 @@ _SUMMARY_ORDER = (
     "exit_code",
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
     *("left_ground", "battery_left", "entered", "collisions", "separation", "vehicles"),
-    *("world", "parameters", "seed", "backend", "engine", "settings"),
+    *("world", "parameters", "seed", "model", "backend", "engine", "settings"),
     *("versions", "unrecorded", "run_folder"),
 )
 """Order of the keys for a person to read: the results come first."""
@@ -483,6 +496,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
                 sha256=mission["mission_sha256"] or "",
                 parameters=mission["parameters"],
                 files=mission.get("files_sha256", {}),
+                model=mission.get("model", ""),
             )
             for vehicle, mission in vehicles_of(fields).items()
         },

@@ -24,7 +24,7 @@ class MissionSettings:
     parameters: Mapping[str, Any]
     """The values of all its parameters."""
     model: str | None = None
-    """The name of the vehicle's model; None for the backend's default."""
+    """The vehicle's model: a name, or its file in the run folder; None for the default."""
     start: Start | None = None
     """The vehicle's start, world frame; None for one of the world's."""
     color: Rgb | None = None

@@ -49,6 +49,9 @@ MASS = Dimension(mass=1)
 FORCE = Dimension(length=1, time=-2, mass=1)
 ENERGY = Dimension(length=2, time=-2, mass=1)
 POWER = Dimension(length=2, time=-3, mass=1)
+INERTIA = Dimension(length=2, mass=1)
+VOLTAGE = Dimension(length=2, time=-3, mass=1, current=-1)
+RESISTANCE = Dimension(length=2, time=-3, mass=1, current=-2)
 
 NAMES = {
     RATIO: "a ratio",
@@ -63,6 +66,9 @@ NAMES = {
     FORCE: "a force",
     ENERGY: "an energy",
     POWER: "a power",
+    INERTIA: "a moment of inertia",
+    VOLTAGE: "a voltage",
+    RESISTANCE: "a resistance",
 }
 EXAMPLES = {
     RATIO: "30 %",
@@ -77,6 +83,9 @@ EXAMPLES = {
     FORCE: "4 N",
     ENERGY: "11 Wh",
     POWER: "50 W",
+    INERTIA: "0.003, in kg m²",
+    VOLTAGE: "11.1 V",
+    RESISTANCE: "0.06 ohm",
 }
 
 _BASE: dict[str, tuple[float, Dimension]] = {
@@ -97,6 +106,8 @@ _BASE: dict[str, tuple[float, Dimension]] = {
     "W": (1.0, POWER),
     "J": (1.0, ENERGY),
     "Wh": (3600.0, ENERGY),
+    "V": (1.0, VOLTAGE),
+    "ohm": (1.0, RESISTANCE),
     "%": (0.01, RATIO),
 }
 

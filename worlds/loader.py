@@ -11,6 +11,7 @@ from typing import Any
 
 from vencejo import nodes
 from vencejo.errors import Fault, UserError, Where
+from vencejo.files import named_from
 from vencejo.geometry import Point
 from vencejo.nodes import Scalar, YamlNode, read_file, read_text
 from worlds import roads
@@ -33,6 +34,7 @@ FIELDS: Mapping[str, Field] = MappingProxyType(
         "wind": Field(WIND, None),
         "start": Field(STARTS, None),
         "battery": Field(SHARE, 1.0),
+        "model": Field(TEXT, None),
         "fence": Field(FENCE, None),
         "roads": Field(names("roads", roads.ROAD), NamedEntries()),
         **{kind: Field(names(kind, value), NamedEntries()) for kind, value in KINDS.items()},
@@ -63,7 +65,7 @@ def _files(node: YamlNode) -> Iterator[Path]:
             yield from _files(item)
     elif isinstance(node, nodes.Mapping):
         for key, value in node:
-            if isinstance(value, Scalar) and key.text in ("texture", "file"):
+            if isinstance(value, Scalar) and key.text in ("texture", "file", "model"):
                 path = Path(value.where.file).parent / value.text
                 if path.is_file():
                     yield path
@@ -73,8 +75,8 @@ def _files(node: YamlNode) -> Iterator[Path]:
 
 
 def _meshes(path: Path) -> tuple[Path, ...]:
-    """The meshes that a model's file names; none of images and of meshes."""
-    if path.suffix.lower() in (".obj", ".stl", ".png", ".jpg", ".jpeg"):
+    """The meshes that a model's file names; none of images, of meshes and of YAML."""
+    if path.suffix.lower() in (".obj", ".stl", ".png", ".jpg", ".jpeg", ".yaml", ".yml"):
         return ()
     from worlds.model_files import mesh_files_of  # late: it needs numpy
 
@@ -115,6 +117,7 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         ),
         starts=tuple(planned.start for planned in starts),
         battery=keys["battery"],
+        model=keys["model"] and named_from(source.parent, keys["model"]),
         places=MappingProxyType(beacons | places),
         source=source,
         sha256=_digest([file.read_bytes() for file in files] or [text.encode()]),

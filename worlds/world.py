@@ -154,6 +154,8 @@ class World:
     roads: tuple[Road, ...] = ()
     fence: Fence | None = None
     """The space to stay in; None where the file names none."""
+    model: str | None = None
+    """The name of the model of its vehicles, or the path of its file; None for no word on it."""
     text: str = ""
     """The world file, as read."""
     files: tuple[Path, ...] = ()

@@ -53,6 +53,7 @@ HELP: Mapping[str, str] = {
     "marker": "On a box, a marker on its top; on a board, the side of its markers.",
     "markers": "Fiducial markers, flat or standing.",
     "meshes": "Triangles of .obj and .stl files.",
+    "model": "The model of its vehicles: a name, or a file named from this file's folder.",
     "models": "The shapes of .urdf and .sdf files.",
     "moves": "A path that it follows at a constant speed, instead of `at`.",
     "origin": "Where (0, 0, 0) is on the Earth.",

@@ -272,7 +272,7 @@ def _call(spec: ActionSpec, environment: Environment) -> ActionFunction:
     shape = MapOf({p.name: p.type for p in parameters.values()}, required)
     if function.on_trust:
         shape = MapOf()
-    given = MapNode([], name.where) if body is None else _map(body, name.text)
+    given = MapNode([], name.where) if body is None else _given(body, function)
     arguments = read_value(given, shape, environment.context)
 
     def run(instance: Runtime, event: EventFields) -> None:
@@ -281,6 +281,15 @@ def _call(spec: ActionSpec, environment: Environment) -> ActionFunction:
         instance.host.call(function.name, values)
 
     return run
+
+
+def _given(body: YamlNode, function: Function) -> MapNode:
+    """The arguments of a call; that of a function with one parameter may stand without its name."""
+    is_value = not isinstance(body, MapNode) and not (isinstance(body, Scalar) and body.null)
+    if not is_value or len(function.parameters) != 1:
+        return _map(body, function.name)
+    (name,) = function.parameters
+    return MapNode([(Scalar(name, body.where), body)], body.where)
 
 
 def _cancel(spec: ActionSpec, environment: Environment) -> tuple[ActionFunction, Message]:

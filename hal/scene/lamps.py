@@ -14,7 +14,7 @@ from vencejo.geometry import Point, Pose
 from worlds.things import UPRIGHT, Cuboid, Part, Thing
 
 _SIZE = 0.05
-"""Edge of a lamp, metres."""
+"""Largest edge of a lamp, metres."""
 _OFF: Rgb = (0, 0, 0)
 
 
@@ -26,7 +26,8 @@ def lamp_things(vehicle: str, *, arm: float, height: float) -> dict[str, Thing]:
     out = arm / sqrt(2)
     # Front left, front right, rear right, rear left, as hal.lights counts them.
     places = ((out, out), (out, -out), (-out, -out), (-out, out))
-    origin, cube = Point(0.0, 0.0, 0.0), Cuboid(Point(_SIZE, _SIZE, _SIZE))
+    edge = min(_SIZE, height / 2)
+    origin, cube = Point(0.0, 0.0, 0.0), Cuboid(Point(edge, edge, edge))
     return {
         _name(vehicle, lamp, color): Thing(
             _name(vehicle, lamp, color),

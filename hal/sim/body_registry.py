@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from hal.sim.collision_shapes import Piece
 from hal.sim.physics import Triple
+from hal.sim.pieces import Piece
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.solids import distance_to
 
-GAP = 0.005
-"""Bodies this near touch, metres: Bullet reports contacts a little before."""
 _CELLS_PER_METRE = 50
 
 

@@ -13,19 +13,13 @@ from importlib.metadata import version
 from math import dist, inf
 from typing import Any
 
-from hal.sim.body_registry import GAP, BodyPieces, BodyRegistry
-from hal.sim.collision_shapes import (
-    Piece,
-    chunks,
-    compound,
-    mesh,
-    pieces_of,
-    ray_mesh,
-)
+from hal.sim.body_registry import BodyPieces, BodyRegistry
+from hal.sim.collision_shapes import boxed, chunks, compound, mesh, ray_mesh
 from hal.sim.hills import earth, height_field, slowed_above
 from hal.sim.mooring import Mooring
 from hal.sim.movers import Mover
-from hal.sim.physics import GRAVITY, STEP, BodyState, Touch, Triple, in_body
+from hal.sim.physics import GAP, GRAVITY, STEP, BodyState, Touch, Triple, in_body
+from hal.sim.pieces import Piece, pieces_of
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point, Quaternion, turned
 from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere, Terrain, Thing
@@ -54,9 +48,10 @@ def load_pybullet() -> Any:
             except ImportError as error:
                 raise VehicleError(
                     "no-physics",
-                    f"the simulator needs pybullet, which is not installed ({error})",
-                    hint='run: pip install "vencejo[sim]" (ready-made up to CPython 3.11 on Linux '
-                    "x86-64; elsewhere it compiles for about seven minutes)",
+                    f"this needs pybullet, which is not installed ({error})",
+                    hint='for flights leave --engine out, or run: pip install "vencejo[bullet]" '
+                    "(ready-made up to CPython 3.11 on Linux x86-64; elsewhere it compiles for "
+                    "about seven minutes)",
                 ) from None
     return module
 
@@ -132,7 +127,7 @@ class Bullet:
                 self._fix(mesh(p, client, piece), [piece])
         for each in things:
             if each.motion is not None:
-                for chunk in chunks(pieces_of(each)):
+                for chunk in chunks([boxed(piece) for piece in pieces_of(each)]):
                     mover = Mover(p, client, each, chunk)
                     moving = BodyPieces(chunk, moves=True)
                     self._register(mover.body, _FIXED, _FREE | _RAY, moving, _GRIP)

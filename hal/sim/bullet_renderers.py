@@ -36,11 +36,12 @@ _NEAREST = 0.0005
 """Depth from which on things are seen, metres."""
 _OVERLAP = 0.95
 """Depth over that from which on a pass is used, where it begins: no pixel falls between two."""
-_NEAR, _LARGEST_NEAR = 0.05, 5.0
-"""Least and largest depth of the near plane of a pass over all that is farther, metres: the farther
-out, the finer are the depths that can be told apart; beyond the largest nothing is gained."""
-_PLAIN_HEIGHT = -0.02
-"""Height of the plain ground outside the coloured square, metres."""
+_NEAR = 0.05
+"""Least depth of the near plane of a pass over all that is farther, metres: the farther out, the
+finer are the depths that can be told apart. OpenGL's buffer has 16 bits of them.
+"""
+_GROUND_HEIGHT = -0.002
+"""Height of the ground, metres: of what lies on it at 0 and a ground at 0 either could be seen."""
 _OUT_OF_SIGHT: Pose = (Point(0.0, 0.0, -1000.0), UPRIGHT)
 """The place of vehicles that are not to be seen."""
 
@@ -102,7 +103,7 @@ class BulletRenderer:
             self._place(key, poses.get(key, _OUT_OF_SIGHT))
         least = self._least_depth(pose, intrinsics)
         # With the least one, windows would sink into their walls and markers into the ground.
-        near = min(max(_NEAR, least), _LARGEST_NEAR)
+        near = max(_NEAR, least)
         image, seen, _ = self._pass(pose, intrinsics, _OVERLAP * near)
         if least < near:
             # What is nearer is drawn on top.
@@ -258,23 +259,30 @@ class BulletRenderer:
             self._cover(body, texture)
 
     def _add_ground(self, tiles: GroundTiles) -> None:
-        p = self._p
         mosaic = ground_mosaic(tiles, self._world.ground.size)
-        plain = np.full((64, 64, 4), tiles.color_beyond, np.uint8)
-        for half, height, pixels in (
-            (mosaic.half, 0.0, mosaic.pixels),
-            (FAR, _PLAIN_HEIGHT, plain),
-        ):
-            corners = [[x, y, height] for x, y in (_SQUARE * half).tolist()]
-            file = self._mesh_file(corners, _SQUARE_UVS, [0, 1, 2, 0, 2, 3])
-            visual = p.createVisualShape(p.GEOM_MESH, fileName=file, physicsClientId=self._client)
-            p.changeVisualShape(
-                self._body(visual),
-                -1,
-                rgbaColor=[1, 1, 1, 1],
-                textureUniqueId=self._load(np.ascontiguousarray(pixels)),
-                physicsClientId=self._client,
-            )
+        half = mosaic.half
+        inner = [[x, y, _GROUND_HEIGHT] for x, y in (_SQUARE * half).tolist()]
+        self._lay(inner, [0, 1, 2, 0, 2, 3], mosaic.pixels)
+        if half < FAR:
+            # A ring about the coloured square, not a square below it, which could be seen in it.
+            outer = [[x, y, _GROUND_HEIGHT] for x, y in (_SQUARE * FAR).tolist()]
+            plain = np.full((64, 64, 4), tiles.color_beyond, np.uint8)
+            self._lay(inner + outer, _RING, plain)
+
+    def _lay(self, vertices: list[list[float]], indices: list[int], pixels: Pixels) -> None:
+        """Show triangles of the ground; a texture's corners are those of each four vertices."""
+        p = self._p
+        uvs = _SQUARE_UVS * (len(vertices) // 4)
+        file = self._mesh_file(vertices, uvs, indices)
+        visual = p.createVisualShape(p.GEOM_MESH, fileName=file, physicsClientId=self._client)
+        p.changeVisualShape(
+            self._body(visual),
+            -1,
+            rgbaColor=[1, 1, 1, 1],
+            specularColor=[0, 0, 0],
+            textureUniqueId=self._load(np.ascontiguousarray(pixels)),
+            physicsClientId=self._client,
+        )
 
 
 class TinyRenderer(BulletRenderer):
@@ -359,6 +367,8 @@ def show(world: World) -> None:
 _SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _SQUARE_UVS = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
 """Texture coordinates of those corners; v goes down."""
+_RING = [n for k in range(4) for a, b in [(k, (k + 1) % 4)] for n in (a, 4 + a, 4 + b, a, 4 + b, b)]
+"""Triangles between a square and another about it, whose corners follow those of the first."""
 
 
 def _rgba(color: Color) -> list[float]:

@@ -4,38 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
-from vencejo.geometry import Point, Quaternion, turned
-from worlds.solids import bounds_of, part_pose, solid_parts
-from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Shape, Sphere, Thing
+from hal.sim.pieces import Piece
+from vencejo.geometry import Point, turned
+from worlds.solids import bounds_of
+from worlds.things import UPRIGHT, Cuboid, Cylinder, Mesh, Sphere
 
 _PER_BODY = 16
 """createCollisionShapeArray silently drops every shape after the sixteenth."""
 _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 """Corners of each face of a cuboid, numbered in the order that ``product`` gives them."""
 _TRIANGLES = tuple(corner for a, b, c, d in _FACES for corner in (a, b, c, a, c, d))
-
-
-class Piece(NamedTuple):
-    """A shape in the frame of the body that it belongs to."""
-
-    name: str
-    """Name of the thing that it is part of."""
-    shape: Shape
-    at: Point
-    attitude: Quaternion
-
-
-def pieces_of(thing: Thing) -> list[Piece]:
-    """The solid pieces of a thing: in the world frame, or in its own where it moves."""
-    if thing.motion is None:
-        return [
-            Piece(thing.name, part.shape, *part_pose(part, thing.at, thing.attitude))
-            for part in solid_parts(thing)
-        ]
-    parts = solid_parts(thing)
-    return [_boxed(Piece(thing.name, part.shape, part.at, part.attitude)) for part in parts]
 
 
 def chunks(pieces: Sequence[Piece]) -> Iterator[Sequence[Piece]]:
@@ -121,7 +101,7 @@ def mesh(p: Any, client: int, piece: Piece) -> int:
     return _triangles(p, client, vertices, faces, **frame)
 
 
-def _boxed(piece: Piece) -> Piece:
+def boxed(piece: Piece) -> Piece:
     """The piece itself, or the cuboid about a mesh: in Bullet such a mesh cannot move."""
     if not isinstance(piece.shape, Mesh):
         return piece

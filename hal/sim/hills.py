@@ -8,9 +8,11 @@ for each cell, or two.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
+from math import cos, hypot, pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 from hal.sim.physics import STEP, Triple
 from vencejo.geometry import Point
@@ -21,6 +23,8 @@ _DEPTH = -1.0
 """Height of the solids' level undersides."""
 _MARGIN = 0.001
 """Bullet keeps other bodies this far away from a convex solid."""
+_LEVEL = cos(5 * pi / 180)
+"""Cosine of the bend from which an edge is a ridge."""
 
 
 def height_field(p: Any, client: int, terrain: Terrain) -> tuple[int, Point]:
@@ -90,6 +94,59 @@ def _part(top: Sequence[Point]) -> str:
     # Vertices count from the last one backwards; the hull needs each in some face.
     lines += [f"f -1 -2 -{k}" for k in range(3, len(points) + 1)]
     return "\n".join(lines) + "\n"
+
+
+class Ridge(NamedTuple):
+    """An edge at which the surface bends downwards."""
+
+    begin: Point
+    end: Point
+    normal: Point
+    """Unit vector half-way between the normals of the surface on both sides."""
+
+
+def ridges(terrain: Terrain) -> Iterator[Ridge]:
+    """The edges at which the surface bends downwards by more than a little."""
+    last = len(terrain.heights) - 1
+
+    def corner(place: tuple[int, int]) -> Point:
+        i, j = place
+        x, y = ((k / last - 0.5) * terrain.size for k in (j, i))
+        return Point(x, y, terrain.heights[i][j])
+
+    for i, j in product(range(last + 1), repeat=2):
+        # Each edge from (i, j) or across its cell, and the corners of the triangles beside it.
+        for places in (
+            ((i, j), (i, j + 1), (i + 1, j), (i - 1, j + 1)),
+            ((i + 1, j), (i, j), (i, j + 1), (i + 1, j - 1)),
+            ((i + 1, j), (i, j + 1), (i + 1, j + 1), (i, j)),
+        ):
+            if all(0 <= k <= last for place in places for k in place):
+                ridge = _ridge(*map(corner, places))
+                if ridge is not None:
+                    yield ridge
+
+
+def _ridge(begin: Point, end: Point, left: Point, right: Point) -> Ridge | None:
+    """The ridge between two places, with others to its left and right, if it is one."""
+    along, across = end.minus(begin), right.minus(begin)
+    one, other = _upright(along, left.minus(begin)), _upright(across, along)
+    if _inner(one, across) >= 0 or _inner(one, other) > _LEVEL:
+        return None
+    middle = one.plus(other)
+    length = middle.norm()
+    return Ridge(begin, end, Point(middle.x / length, middle.y / length, middle.z / length))
+
+
+def _inner(a: Point, b: Point) -> float:
+    return a.x * b.x + a.y * b.y + a.z * b.z
+
+
+def _upright(a: Point, b: Point) -> Point:
+    """The unit vector at right angles to two others, as they turn."""
+    x, y, z = a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x
+    length = hypot(x, y, z)
+    return Point(x / length, y / length, z / length)
 
 
 def slowed_above(terrain: Terrain, at: Triple, velocity: Triple, least: float) -> Triple | None:

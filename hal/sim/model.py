@@ -3,46 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, sqrt
-from types import MappingProxyType
 
 from hal.limits import Limits
-from hal.scene.appearance import ARM, SIZE
 from hal.sim.physics import GRAVITY
+from hal.sim.sensors.camera_spec import CameraSpec
+from worlds.things import Color
 
 AIR_DENSITY = 1.225
 """kg/m³, at sea level (ISO 2533, the standard atmosphere)."""
-
-PROFILES: Mapping[str, Limits] = MappingProxyType(
-    {
-        "indoor": Limits(2.0, 0.7, 0.21, 1.75, 0.05, 3.0),
-        "outdoor": Limits(5.0, 2.0, 20 * pi / 180, 3.5, 0.05, 100.0),
-    }
-)
-"""Limits for flying in a room and outside. Indoors: the example configuration of the published
-AR.Drone simulation (``altitude_min``, ``altitude_max``, ``euler_angle_max``, ``control_vz_max``,
-``control_yaw``); the speed there, and all figures for outside, are assumed."""
 
 
 @dataclass(frozen=True)
 class Rotors:
     """Four equal rotors at the corners of a square, in an X about straight ahead."""
 
-    arm: float = ARM
+    arm: float
     """Distance from the centre to a rotor's axis, metres."""
-    radius: float = 0.1
+    radius: float
     """Metres."""
-    max_thrust: float = 8.5 / 4
+    max_thrust: float
     """Of one rotor at a full battery, newtons."""
-    idle_thrust: float = 0.05
+    idle_thrust: float
     """The least thrust while the motors run, as a share of the largest."""
-    drag_ratio: float = 0.0301
+    drag_ratio: float
     """The torque about a rotor's axis over its thrust, metres."""
-    time_constant: float = 0.02
+    time_constant: float
     """Of the thrust, which follows the command as a first-order lag, seconds."""
-    efficiency: float = 0.3258
+    efficiency: float
     """Ideal (momentum theory) over electrical power: rotor, motor and its controller."""
 
     @property
@@ -55,9 +45,9 @@ class Rotors:
 class Drag:
     """How air holds a vehicle up."""
 
-    area: float = 0.005
+    area: float
     """Drag coefficient times frontal area, the same from all sides, m²."""
-    rotors: float = 0.25
+    rotors: float
     """Drag of the turning rotors per speed across their axes, N/(m/s)."""
 
 
@@ -68,15 +58,15 @@ class BatteryPack:
     Its charge is the share of the energy that is left, 0 to 1.
     """
 
-    energy: float = 11.1 * 3600
-    """In a full one, joules: 1000 mAh at 11.1 V."""
-    full: float = 12.6
+    energy: float
+    """In a full one, joules."""
+    full: float
     """Voltage without load when full, volts."""
-    empty: float = 9.6
+    empty: float
     """Voltage without load when empty, volts."""
-    resistance: float = 0.06
+    resistance: float
     """Ohms."""
-    standby: float = 5.0
+    standby: float
     """Power that the board draws with the motors off, watts."""
 
     def voltage(self, charge: float) -> float:
@@ -103,30 +93,37 @@ class BatteryPack:
 class Model:
     """A quadrotor. Body axes are FLU about the centre of mass, in the middle of its box."""
 
-    name: str = "ardrone2"
-    mass: float = 0.436
+    name: str
+    description: str
+    mass: float
     """kg, with battery and hull."""
-    inertia: tuple[float, float, float] = (2.237568e-3, 2.985236e-3, 4.80374e-3)
+    inertia: tuple[float, float, float]
     """About the body's x, y and z, kg·m²."""
-    size: tuple[float, float, float] = SIZE
+    size: tuple[float, float, float]
     """The box that collides with things, hull included, along the body's axes, metres."""
-    rotors: Rotors = Rotors()
-    drag: Drag = Drag()
-    battery: BatteryPack = BatteryPack()
-    max_speed: float = 5.0
-    """Over the ground, m/s (the maker's figure)."""
-    max_climb: float = 2.0
-    """Up or down, m/s (the maker allows 0.7 indoors and 2 outdoors)."""
-    max_tilt: float = 20 * pi / 180
-    """Radians; within the maker's `euler_angle_max` of 0.52."""
-    max_yaw_rate: float = 1.75
-    """rad/s (the reference's `control_yaw`)."""
-    profiles: Mapping[str, Limits] = field(default_factory=lambda: PROFILES)
+    rotors: Rotors
+    drag: Drag
+    battery: BatteryPack
+    max_speed: float
+    """Over the ground, m/s."""
+    max_climb: float
+    """Up or down, m/s."""
+    max_tilt: float
+    """Radians."""
+    max_yaw_rate: float
+    """rad/s."""
+    profiles: Mapping[str, Limits]
     """Named limits, altitudes above home."""
-    steepest_ground: float = 25 * pi / 180
-    """Steepest slope on which it stands, radians (its skids slide from 32° on)."""
-    withstands: float = 5.0
+    steepest_ground: float
+    """Steepest slope on which it stands, radians."""
+    withstands: float
     """Largest speed of an impact that stops no rotor, m/s."""
+    cameras: Mapping[str, CameraSpec]
+    """Its cameras by name, the first one active at first."""
+    one_active_camera: bool
+    """Whether only one of them delivers images at a time."""
+    color: Color | None
+    """Of its hull; None for one that its name decides."""
 
     @property
     def height(self) -> float:
@@ -173,10 +170,3 @@ class Model:
         """Seconds of hovering on a full battery: the sum over a hundred parts of its charge."""
         drains = (self.battery.drain(self.hover_power, (k + 0.5) / 100) for k in range(100))
         return sum(0.01 / drain for drain in drains)
-
-
-ARDRONE2 = Model()
-"""The AR.Drone 2.0 with its indoor hull. Inertia and arm: Q. Li, *Grey-box system identification of
-a quadrotor unmanned aerial vehicle*, TU Delft 2014; rotor drag: 0.58 1/s times the mass, as in
-J. Engel et al., *Camera-based navigation of a low-cost quadrocopter*, IROS 2012; efficiency: that
-of the maker's 12 minutes in the air. All else is assumed."""

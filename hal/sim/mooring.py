@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import dist
 from typing import Any
 
-from hal.sim.body_registry import GAP, BodyRegistry
+from hal.sim.body_registry import BodyRegistry
+from hal.sim.physics import GAP
 
 _HOLD = 10_000.0
 """Largest force of a mooring, newtons: enough where its carrier turns about, at a corner."""

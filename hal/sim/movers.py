@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, copysign, hypot
 from typing import Any
 
-from hal.sim.collision_shapes import Piece, compound
+from hal.sim.collision_shapes import compound
 from hal.sim.physics import GRAVITY, STEP
-from vencejo.geometry import product
-from worlds.motion import STRETCH, pose_at
+from hal.sim.pieces import Piece
+from hal.sim.stretches import STRETCH_STEPS, STRETCH_TIME, velocities
+from vencejo.geometry import Point
+from worlds.motion import pose_at
 from worlds.things import Thing
 
 _MASS = 1e6
 """Mass in kg, and each moment of inertia in kg·m²: no vehicle pushes it off its path."""
-_STRETCH_STEPS = round(STRETCH / STEP)
-"""Physics steps of a stretch, on which the body moves in a straight line."""
 
 
 class Mover:
@@ -42,21 +41,16 @@ class Mover:
 
     def drive(self, steps: int) -> None:
         """Set the velocity for the next physics step; ``steps`` were made before it."""
-        if steps % _STRETCH_STEPS == 0:
-            self._aim((steps + _STRETCH_STEPS) * STEP)
+        if steps % STRETCH_STEPS == 0:
+            self._aim((steps + STRETCH_STEPS) * STEP)
         self._p.resetBaseVelocity(self.body, self._velocity, self._turning, self._client)
 
     def _aim(self, time: float) -> None:
         """Set the velocities that lead to the pose on the path at a time, one stretch ahead."""
-        p, body, client = self._p, self.body, self._client
-        (x, y, z), (i, j, k, w) = p.getBasePositionAndOrientation(body, client)
-        target, attitude = pose_at(self._thing, time)
-        turn = product(attitude, (-i, -j, -k, w))
-        per_second = 1 / (_STRETCH_STEPS * STEP)
+        now = self._p.getBasePositionAndOrientation(self.body, self._client)
+        begin = Point(*now[0]), now[1]
+        (east, north, up), self._turning = velocities(
+            begin, pose_at(self._thing, time), STRETCH_TIME
+        )
         # A step adds gravity before it moves the body.
-        climb = (target.z - z) * per_second + GRAVITY * STEP
-        self._velocity = ((target.x - x) * per_second, (target.y - y) * per_second, climb)
-        sine = hypot(*turn[:3])
-        angle = 2 * atan2(sine, abs(turn[3]))
-        rate = copysign(angle / sine * per_second, turn[3]) if sine else 0.0
-        self._turning = (turn[0] * rate, turn[1] * rate, turn[2] * rate)
+        self._velocity = east, north, up + GRAVITY * STEP

@@ -13,6 +13,8 @@ STEP = 1 / STEPS_PER_SECOND
 """Seconds of one physics step."""
 GRAVITY = 9.80665
 """Standard gravity, m/s²."""
+GAP = 0.005
+"""Bodies this near touch, metres: engines know of contacts a little before."""
 
 Triple = tuple[float, float, float]
 BodyState = tuple[Triple, Quaternion, Triple, Triple]

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
+from hal.sim.air import Air
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import ContactTracker
 from hal.sim.dynamics import STEPS_PER_PERIOD, Dynamics
-from hal.sim.model import ARDRONE2
+from hal.sim.model_files import DEFAULT, load_model
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
 from hal.sim.sensors.camera import RenderContext, SimCamera
+from hal.sim.sensors.camera_spec import read_cameras
+from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.sensors.rangefinder import SimRangefinder
-from hal.sim.settings import plain_settings, read_settings
+from hal.sim.settings import Settings, plain_settings, read_settings
 from hal.sim.starts import start_poses
 from hal.sim.vehicle import SimVehicle
+from hal.sim.weather import Weather
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
+from worlds.terrain import height_at
+from worlds.wind import read_wind
 from worlds.world import World
 
 
@@ -36,14 +43,25 @@ def find_near(vehicles: Sequence[SimVehicle]) -> None:
             one.others_near = other.others_near = True
 
 
+def _air_of(
+    world: World, settings: Settings, vehicles: Sequence[SimVehicle], seed: int
+) -> Air | None:
+    """The air about some vehicles; None where nothing moves it."""
+    wind = world.wind if settings.wind is None else read_wind(settings.wind, "wind")
+    blown_down = settings.physics.downwash and len(vehicles) > 1
+    if wind is None and not blown_down:
+        return None
+    return Air(Weather(wind, seed) if wind else None, vehicles, downwash=blown_down)
+
+
 class SimSession:
     """The vehicles of one world, in lockstep (see :class:`hal.vehicle.Session`)."""
 
     def __init__(self, options: Options, world: World, physics: Physics) -> None:
-        """Raises UserError for wrong settings, names of vehicles, or start poses."""
+        """Raises UserError for wrong settings, names of vehicles, models, or start poses."""
         settings = read_settings(options.settings)
-        model = ARDRONE2
-        starts = start_poses(world, options.vehicles, model.size)
+        models = [load_model(spec.model or world.model or DEFAULT) for spec in options.vehicles]
+        starts = start_poses(world, options.vehicles, [model.size for model in models])
         physics.add_things(world.things, world.ground.terrain)
         obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
@@ -55,9 +73,10 @@ class SimSession:
         self._places = world.places
         origin = world.origin
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
+        self._ground_height = partial(height_at, world.ground.terrain)
         self._count = 0
         self._all: list[SimVehicle] = []
-        for spec, start in zip(options.vehicles, starts, strict=True):
+        for spec, model, start in zip(options.vehicles, models, starts, strict=True):
             name = spec.name
             dynamics = Dynamics(name, physics, model, settings.physics, start)
             vehicle = SimVehicle(
@@ -70,30 +89,34 @@ class SimSession:
                 contacts=ContactTracker(physics, dynamics.body, model, obstacles),
             )
             self._all.append(vehicle)
+        self._air = _air_of(world, settings, self._all, options.seed)
+        """None where it is still."""
         self._senses: list[Callable[[], None]] = []
         """The calls of the sensors after each physics step."""
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle, spec in zip(self._all, options.vehicles, strict=True):
+        for vehicle, model, spec in zip(self._all, models, options.vehicles, strict=True):
             name = vehicle.name
             context.pose_histories[name] = vehicle.dynamics.pose_history
             context.appearances[name] = quadrotor(
-                name, arm=model.rotors.arm, size=model.size, color=spec.color
+                name, arm=model.rotors.arm, size=model.size, color=spec.color or model.color
             )
             context.lamps[name] = vehicle.lamps
             if not alone:
                 height = model.size[2]
                 context.appearances |= lamp_things(name, arm=model.rotors.arm, height=height)
+            specs = read_cameras(settings.cameras, model.cameras)
             cameras = {
                 camera: SimCamera(name, camera, spec, context, self._steps)
-                for camera, spec in settings.cameras.items()
+                for camera, spec in specs.items()
             }
             sensors = {
                 sensor: SimRangefinder(spec, physics, vehicle.dynamics.pose_history)
                 for sensor, spec in settings.sensors.items()
             }
-            vehicle.fit(cameras, sensors)
+            switch = CameraSwitch(cameras, one_active=model.one_active_camera)
+            vehicle.fit(switch, sensors)
             self._senses += [sensor.sense for sensor in sensors.values()]
 
     @property
@@ -116,6 +139,10 @@ class SimSession:
     def geographic(self) -> tuple[float, float, float] | None:
         return self._geographic
 
+    @property
+    def ground_height(self) -> Callable[[float, float], float]:
+        return self._ground_height
+
     def wait(self) -> float:
         """Advance by one mission period, six physics steps. Raises VehicleError when closed."""
         if self._physics is None:
@@ -123,6 +150,8 @@ class SimSession:
         vehicles = self._all
         if len(vehicles) > 1:
             find_near(vehicles)
+        if self._air is not None:
+            self._air.begin_period(self._count / PERIODS_PER_SECOND)
         for vehicle in vehicles:
             vehicle.plan()
         free = all(vehicle.dynamics.free for vehicle in vehicles)

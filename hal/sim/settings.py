@@ -6,33 +6,32 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isfinite
 
+from hal.engines import check_engine
 from hal.renderers import check_renderer
 from hal.sim.effects import Effects, plain_effects, read_effects
-from hal.sim.sensors.camera_spec import (
-    DEFAULT_CAMERAS,
-    CameraSpec,
-    plain_camera,
-    read_cameras,
-)
+from hal.sim.sensors.camera_spec import plain_cameras
 from hal.sim.sensors.rangefinder import RangefinderSpec, read_rangefinders
 from vencejo.errors import UserError, nearest
 from worlds.wind import read_wind
 
-_KNOWN = ("noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
+_KNOWN = ("engine", "noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows")
 
 
 @dataclass(frozen=True)
 class Settings:
     """The simulator's settings, checked."""
 
+    engine: str
+    """The name of the physics engine."""
     noise: float
     """Factor of the command noise, 0 for none."""
     physics: Effects
     """The effects that are computed."""
     wind: str | None
     """A wind as it is written (see :mod:`worlds.wind`); None for the world's."""
-    cameras: Mapping[str, CameraSpec]
-    """Name → camera, the same for every vehicle."""
+    cameras: Mapping[str, object]
+    """Name → what differs from the model's camera of that name, the same for every vehicle (see
+    :func:`hal.sim.sensors.camera_spec.read_cameras`)."""
     sensors: Mapping[str, RangefinderSpec]
     """Name → rangefinder, the same for every vehicle."""
     renderer: str
@@ -43,7 +42,8 @@ class Settings:
 def read_settings(given: Mapping[str, object]) -> Settings:
     """Check the given settings and complete them by defaults.
 
-    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-renderer``).
+    Raises UserError (``unknown-setting``, ``bad-setting``, ``unknown-engine``,
+    ``unknown-renderer``).
     """
     for name in given:
         if name not in _KNOWN:
@@ -66,10 +66,11 @@ def read_settings(given: Mapping[str, object]) -> Settings:
     if not isinstance(physics, str):
         raise UserError("bad-setting", f"'physics' is a text such as 'real', not {physics!r}")
     return Settings(
+        check_engine(given.get("engine")),
         float(noise),
         read_effects(physics),
         _checked_wind(given.get("wind")),
-        read_cameras(given.get("cameras")),
+        plain_cameras(given.get("cameras")),
         read_rangefinders(given.get("sensors")),
         check_renderer(given.get("renderer", "raster")),
         shadows,
@@ -88,12 +89,12 @@ def _checked_wind(wind: object) -> str | None:
 
 def plain_settings(settings: Settings) -> dict[str, object]:
     """The settings as plain values, complete: :func:`read_settings` reads the same from them."""
-    without = dict.fromkeys(name for name in DEFAULT_CAMERAS if name not in settings.cameras)
     return {
+        "engine": settings.engine,
         "noise": settings.noise,
         "physics": plain_effects(settings.physics),
         "wind": settings.wind,
-        "cameras": {n: plain_camera(spec) for n, spec in settings.cameras.items()} | without,
+        "cameras": dict(settings.cameras),
         "sensors": {name: asdict(spec) for name, spec in settings.sensors.items()},
         "renderer": settings.renderer,
         "shadows": settings.shadows,

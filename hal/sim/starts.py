@@ -11,7 +11,7 @@ from vencejo.geometry import Point
 from worlds.starts import PlannedStart, bad_starts, overlapping, starts_for
 from worlds.terrain import highest_under
 from worlds.things import Terrain
-from worlds.world import World
+from worlds.world import Start, World
 
 
 class StartPose(NamedTuple):
@@ -25,11 +25,11 @@ class StartPose(NamedTuple):
 
 
 def start_poses(
-    world: World, vehicles: Sequence[VehicleSpec], size: tuple[float, float, float]
+    world: World, vehicles: Sequence[VehicleSpec], sizes: Sequence[tuple[float, float, float]]
 ) -> list[StartPose]:
     """The start pose of each vehicle (see :func:`worlds.starts.starts_for`).
 
-    ``size``: of the vehicles along their axes. Raises UserError (``bad-vehicles``,
+    ``sizes``: of each along its axes. Raises UserError (``bad-vehicles``,
     ``start-in-thing``, ``start-in-ground``, ``starts-overlap``).
     """
     names = [vehicle.name for vehicle in vehicles]
@@ -41,18 +41,17 @@ def start_poses(
     ]
     terrain = world.ground.terrain
     faults = list(bad_starts(planned, world.things, terrain))
-    faults += overlapping(planned, max(size[:2]), size[2])
+    widest, highest = max(max(size[:2]) for size in sizes), max(size[2] for size in sizes)
+    faults += overlapping(planned, widest, highest)
     if faults:
         raise UserError.of(faults)
     return [
-        StartPose(at, heading, _raised(terrain, at, heading, size))
-        for at, heading in ((start.at, start.heading) for start in starts)
+        StartPose(start.at, start.heading, _raised(terrain, start, size))
+        for start, size in zip(starts, sizes, strict=True)
     ]
 
 
-def _raised(
-    terrain: Terrain | None, at: Point, heading: float, size: tuple[float, float, float]
-) -> float:
+def _raised(terrain: Terrain | None, start: Start, size: tuple[float, float, float]) -> float:
     if terrain is None:
         return 0.0
-    return max(0.0, highest_under(terrain, at, heading, size) - at.z)
+    return max(0.0, highest_under(terrain, start.at, start.heading, size) - start.at.z)

@@ -15,6 +15,7 @@ from hal.sim.dynamics import Dynamics
 from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.model import Model
 from hal.sim.noise import CommandNoise
+from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
     ACCEPTED,
@@ -36,7 +37,7 @@ _ORIGIN = Point(0.0, 0.0, 0.0)
 CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap", "wind"}
+    | {"battery", "battery.swap", "terrain", "wind"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -90,12 +91,13 @@ class SimVehicle(BaseVehicle):
             },
         )
         self.profiles = model.profiles
+        self.model = model.name
         self._model = model
         self.dynamics = dynamics
         self._state = dynamics.state
         """At the end of the last mission period."""
         self.capabilities = CAPABILITIES
-        self.cameras: Mapping[str, Camera] = {}
+        self._switch = CameraSwitch({}, one_active=False)
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = dynamics.controller
         self.others_near = False
@@ -139,10 +141,11 @@ class SimVehicle(BaseVehicle):
 
     # Observation.
 
-    def fit(self, cameras: Mapping[str, Camera], sensors: Mapping[str, Sensor]) -> None:
+    def fit(self, switch: CameraSwitch, sensors: Mapping[str, Sensor]) -> None:
         """Mount cameras and sensors, by name."""
-        self.cameras, self.sensors = cameras, sensors
-        mounted = {f"camera.{name}" for name in cameras} | {f"sensor.{name}" for name in sensors}
+        self._switch, self.sensors = switch, sensors
+        mounted = {f"camera.{name}" for name in switch.cameras}
+        mounted |= {f"sensor.{name}" for name in sensors}
         self.capabilities = CAPABILITIES | mounted
 
     def _observed(self) -> Observation:
@@ -350,7 +353,7 @@ class SimVehicle(BaseVehicle):
         if setpoint.velocity is None:
             controller.fly_to(*setpoint.xyz)
         else:
-            self._follow(setpoint.xyz, setpoint.velocity)
+            self._follow(setpoint.xyz, setpoint.velocity, setpoint.acceleration)
         if setpoint.yaw is not None:
             controller.face(setpoint.yaw)
         else:
@@ -366,20 +369,35 @@ class SimVehicle(BaseVehicle):
         controller.tilt(roll, pitch, climb, thrust)
         controller.turn(yaw_rate)
 
-    def _follow(self, place: Point, velocity: Point) -> None:
-        # The acceleration is that between the set-points of two successive periods.
-        led = self._last_feed_forward or velocity
+    def _follow(self, place: Point, velocity: Point, acceleration: Point | None) -> None:
         self._controller.fly_to(*place, velocity)
-        self._controller.acceleration = (
-            (velocity[0] - led[0]) / PERIOD,
-            (velocity[1] - led[1]) / PERIOD,
-            (velocity[2] - led[2]) / PERIOD,
-        )
+        if acceleration is None:
+            # Then it is that between the set-points of two successive periods.
+            led = self._last_feed_forward or velocity
+            acceleration = Point(
+                (velocity[0] - led[0]) / PERIOD,
+                (velocity[1] - led[1]) / PERIOD,
+                (velocity[2] - led[2]) / PERIOD,
+            )
+        self._controller.acceleration = acceleration
         self._feed_forward = velocity
 
     def _brake(self) -> None:
         self._controller.fly_at(0.0, 0.0, 0.0)
         self._braking = True
+
+    @property
+    def limits(self) -> Limits:
+        controller, low = self._controller, self._min_altitude
+        high = controller.max_altitude
+        return Limits(
+            controller.max_speed,
+            controller.max_climb,
+            controller.max_tilt,
+            controller.max_yaw_rate,
+            None if low == -inf else low,
+            None if high == inf else high,
+        )
 
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
@@ -398,11 +416,21 @@ class SimVehicle(BaseVehicle):
                 setattr(self._controller, name, value)
         return ACCEPTED
 
+    @property
+    def active_camera(self) -> str | None:
+        return self._switch.active
+
     def camera(self, name: str) -> Camera:
-        if name not in self.cameras:
-            known = ", ".join(self.cameras) or "none"
+        cameras = self._switch.cameras
+        if name not in cameras:
+            known = ", ".join(cameras) or "none"
             raise Unavailable(f"the vehicle '{self.name}' has no camera '{name}' (it has: {known})")
-        return self.cameras[name]
+        return cameras[name]
+
+    def use_camera(self, name: str | None = None) -> None:
+        if name is not None:
+            self.camera(name)
+        self._switch.use(name)
 
     def sensor(self, name: str) -> Sensor:
         if name not in self.sensors:

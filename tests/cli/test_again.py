@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -121,7 +122,7 @@ def test_a_run_with_all_its_settings_is_repeated_to_the_last_byte(write: Write) 
     assert (settings["call_limit"], settings["renderer"]) == (9.0, "raster")
     assert settings["cameras"]["ventral"] is None
     assert settings["wind"] == wind[1]
-    assert settings["cameras"]["back"]["width"] == 320  # a default
+    assert settings["cameras"]["back"] == {"pan": pytest.approx(pi)}
     assert settings["parameters"]["word"] == "$x: y"
     assert set(settings["parameters"]) == {"height", "side", "corners", "word"}
     assert set(settings["files"]) == {

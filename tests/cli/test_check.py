@@ -278,7 +278,8 @@ def test_what_a_backend_offers_is_compared_without_opening_it(
 ) -> None:
     write("m.yaml", START + END)
     assert run_cli("check", "m.yaml", "--backend", "sim").code == 0
-    monkeypatch.setattr("hal.sim.CAPABILITIES", frozenset({"takeoff", "position"}))
+    monkeypatch.setattr("hal.sim.MODELS", None)
+    monkeypatch.setattr("hal.sim.CAPABILITIES", frozenset({"takeoff", "position"}), raising=False)
     result = run_cli("check", "m.yaml", "--backend", "sim")
     assert result.code == 2
     assert "m.yaml:3:3: error: 'land' needs 'land', which the backend 'sim' does not offer" in (

@@ -55,6 +55,6 @@ def test_without_pybullet_it_says_what_to_install(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 3
-    assert "vencejo[sim]" in done.stderr
+    assert "vencejo[bullet]" in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "runs").exists()

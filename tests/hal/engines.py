@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
+from typing import Any
 
-from hal.sim.bullet import Bullet
+import pytest
+
+from hal.engines import engine_names, is_installed, open_engine
 from hal.sim.physics import STEP, Body, Physics, Triple
-from vencejo.geometry import Point, Quaternion, yaw_quaternion
+from vencejo.geometry import Point, Pose, Quaternion, yaw_quaternion
 from worlds import figures
 from worlds.things import UPRIGHT, Motion, Terrain, Thing
 
-ENGINES: Mapping[str, Callable[[], Physics]] = {"bullet": Bullet}
+ENGINES: Mapping[str, Callable[[], Physics]] = {
+    name: partial(open_engine, name) for name in engine_names() if is_installed(name)
+}
+"""What opens each engine that is installed."""
+needs_pybullet = pytest.mark.skipif(
+    not is_installed("bullet"), reason="compares with pybullet's own pictures"
+)
 SIZE = (0.5, 0.5, 0.12)
 """Of a vehicle, metres."""
 WEIGHT = 0.436 * 9.80665
@@ -41,6 +51,19 @@ def box(
 ) -> Thing:
     parts = figures.box(size, (0, 0, 0))
     return Thing(name, "box", at, yaw_quaternion(heading), parts, True, motion)
+
+
+def mover_pose(physics: Physics) -> Pose:
+    """Where the one moving thing of a simulation is."""
+    inside: Any = physics
+    if physics.name.startswith("mujoco"):
+        inside._show()
+        pose: Pose = inside._movers[0].pose()
+        return pose
+    place, attitude = inside._p.getBasePositionAndOrientation(
+        inside._movers[0].body, inside._client
+    )
+    return Point(*place), attitude
 
 
 def run(physics: Physics, seconds: float) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
+from hal.engines import open_engine
 from hal.orders import Order
 from hal.sim import SimSession, open_session
-from hal.sim.bullet import Bullet
 from hal.vehicle import (
     PERIOD,
     Observation,
@@ -95,7 +95,7 @@ def session_of(
     world: World, vehicles: tuple[str, ...] = ("drone",), **settings: object
 ) -> SimSession:
     """The simulator on a world that is in no file."""
-    return SimSession(Options(named(*vehicles), settings=settings), world, Bullet())
+    return SimSession(Options(named(*vehicles), settings=settings), world, open_engine())
 
 
 def told(seen: Iterable[Observation]) -> list[tuple[str, str]]:

@@ -9,10 +9,12 @@ import pytest
 from hal.fake import FakeSession
 from hal.sim import open_session
 from hal.sim.battery import Battery
-from hal.sim.model import ARDRONE2, BatteryPack
+from hal.sim.model import BatteryPack
+from hal.sim.model_files import load_model
 from hal.vehicle import Options, Velocity
 from tests.hal.flying import decided, hovering, only, take_off, wait, wait_until
 
+ARDRONE2 = load_model("ardrone2")
 PACK = ARDRONE2.battery
 HOVER = ARDRONE2.hover_power
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 from math import inf, nan, pi
 from pathlib import Path
 from typing import Any
@@ -32,6 +34,7 @@ from hal.vehicle import (
     Velocity,
     VisionPose,
 )
+from tests.hal.engines import ENGINES
 from tests.hal.flying import decided, finish, named, only, take_off, wait, wait_until
 from vencejo.errors import UserError
 from vencejo.geometry import Point, distance, wrap
@@ -51,9 +54,14 @@ def example_session(options: Options) -> Session:
     return opened
 
 
+def open_with(engine: str, options: Options) -> Session:
+    """The simulator with an engine."""
+    return open_session(replace(options, settings={"engine": engine, **options.settings}))
+
+
 OPENERS: dict[str, Callable[[Options], Session]] = {
     "fake": lambda options: FakeSession((each.name for each in options.vehicles), options=options),
-    "sim": open_session,
+    **{f"sim on {engine}": partial(open_with, engine) for engine in ENGINES},
     "example": example_session,
 }
 
@@ -299,7 +307,8 @@ def over_a_ball(backend: str, tmp_path: Path) -> Iterator[Session]:
     world.write_text(BALL)
     if backend == "example":
         pytest.skip("it never knows whether it stands")
-    with OPENERS[backend](Options(world=str(world) if backend == "sim" else None)) as session:
+    options = Options(world=str(world) if backend.startswith("sim") else None)
+    with OPENERS[backend](options) as session:
         session.wait()
         vehicle = take_off(session, 4)
         if isinstance(vehicle, FakeVehicle):

@@ -144,6 +144,23 @@ def test_what_loses_its_support_falls(engine: str) -> None:
         assert body.state()[0][2] == pytest.approx(1.26 - 0.03, abs=0.0005)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("speed", [0.5, 2.0, 5.0])
+def test_what_slides_stays_on_the_ground_and_is_slowed_by_friction(
+    engine: str, speed: float
+) -> None:
+    with simulation(engine) as physics:
+        body, highest = vehicle(physics, (0, 0, 0.06)), 0.0
+        body.withdraw()
+        body.place(((0, 0, 0.06), UPRIGHT, (speed, 0, 0), (0, 0, 0)))
+        for _ in range(240 * 2):
+            physics.step()
+            highest = max(highest, body.state()[0][2])
+        assert highest < 0.061
+        assert body.state()[0][0] == pytest.approx(speed**2 / (2 * 0.64 * 9.80665), rel=0.06)
+        assert body.state()[2] == pytest.approx((0, 0, 0), abs=1e-3)
+
+
 # Flights.
 
 

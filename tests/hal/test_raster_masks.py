@@ -10,9 +10,13 @@ import pytest
 from hal.raster import Raster
 from hal.raster.camera import NEAR
 from hal.sim.bullet_renderers import TinyRenderer
+from tests.hal.engines import needs_pybullet
 from tests.hal.scenes import clutter, lens, look
 
 LENS = lens(320, 240)
+
+
+pytestmark = needs_pybullet
 
 
 class Reference(TinyRenderer):

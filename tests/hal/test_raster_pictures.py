@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product as combined
 from math import pi, radians
 from pathlib import Path
 from random import Random
@@ -18,6 +19,7 @@ from hal.scene.surfaces import sphere_mesh
 from hal.scene.transforms import rotation_matrix
 from hal.sim.bullet_renderers import EglRenderer, TinyRenderer
 from hal.vehicle import Intrinsics
+from tests.hal.engines import needs_pybullet
 from tests.hal.scenes import (
     GREEN,
     ROAD,
@@ -172,6 +174,7 @@ def test_a_textured_face_shows_its_marker_upright_on_every_side() -> None:
             assert third[1] > second[1] + 20
 
 
+@needs_pybullet
 def test_markers_are_detected_at_least_as_far_as_in_the_reference() -> None:
     def seen(renderer: Raster | TinyRenderer, height: float) -> int:
         found = 0
@@ -273,6 +276,7 @@ def _two_balls() -> Mesh:
     return Mesh(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
 
 
+@needs_pybullet
 @pytest.mark.parametrize("shape", [Sphere(1.0), _two_balls()])
 def test_of_what_the_ground_cuts_the_upper_part_is_seen(shape: Shape) -> None:
     pose = look((-6.0, 0.0, 3.0), (6.0, 0.0, 0.0))
@@ -335,6 +339,7 @@ def test_hills_hide_what_is_behind_them_and_bury_what_is_in_them() -> None:
     assert (image == (250, 0, 0)).all(2).sum() > 200
 
 
+@needs_pybullet
 def test_opengl_shows_what_lies_close_to_other_things() -> None:
     """Windows lie 1 cm before their walls, markers 1 cm above the ground."""
     pane = thing_of("pane", Plate(1.0, 1.0), (29.99, 0.0, 2.0), figures.standing(pi), (0, 0, 200))
@@ -359,7 +364,36 @@ def test_opengl_shows_what_lies_close_to_other_things() -> None:
         opengl.close()
 
 
-@pytest.mark.parametrize("renderer", [Raster, TinyRenderer])
+@pytest.mark.parametrize("reference", [TinyRenderer, EglRenderer])
+@pytest.mark.parametrize("size", [20.0, 400.0])
+def test_what_lies_on_the_ground_is_seen_wherever_it_lies(
+    reference: type[TinyRenderer | EglRenderer], size: float
+) -> None:
+    """West and east of the origin, in the very plane of the ground, from near and from far."""
+    white = (255, 255, 255)
+    spots = [(-0.1, 0.0), (-3.0, 4.0), (-9.0, -9.0), (0.0, 8.0), (4.0, -4.0), (9.0, 9.0)]
+    mats = [
+        thing_of(f"mat{number}", Plate(0.6, 0.6), (x, y, 0.0), color=white)
+        for number, (x, y) in enumerate(spots)
+    ]
+    world = world_of(*mats, ground=replace(GREEN, size=size))
+    try:
+        other = reference(world, {})
+    except UserError as error:
+        pytest.skip(str(error))
+    raster = Raster(world, {})
+    try:
+        for (x, y), height, aside in combined(spots, (0.8, 6.0, 60.0), (0.0, 0.5)):
+            pose = look((x, y + aside * height, height), (x, y, 0.0), (1.0, 0.0, 0.0))
+            ours, theirs = (each.render(pose, LENS, 0.0, {}) for each in (raster, other))
+            mine, others = (ours > 200).all(2), (theirs > 200).all(2)
+            # An outline's pixels may differ: of the smallest mats these are many.
+            assert (mine & others).sum() > 0.7 * (mine | others).sum() > 0, (x, y, height, aside)
+    finally:
+        other.close()
+
+
+@pytest.mark.parametrize("renderer", [Raster, pytest.param(TinyRenderer, marks=needs_pybullet)])
 def test_roads_lead_over_hills(renderer: type[Raster | TinyRenderer]) -> None:
     """Seen from above, what is painted is where it would be without hills."""
     heights = tuple(

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hal.renderers import GROUP, check_renderer, open_renderer, renderer_names
+from hal.engines import is_installed
+from hal.renderers import GROUP, check_renderer, open_renderer, renderer_names, show_window
 from hal.sim import open_session
 from hal.vehicle import Intrinsics, Options
 from tests.hal.scenes import lens, look, thing_of, world_of
@@ -58,6 +59,10 @@ def test_the_renderers_of_this_package_are_installed() -> None:
     assert renderer_names() == ["egl", "raster", "tiny"]
 
 
+NOT_HERE = ("no-egl",) if is_installed("bullet") else ("no-pybullet",)
+"""Why a renderer may be missing."""
+
+
 @pytest.mark.usefixtures("flat_installed")
 def test_a_renderer_of_somebody_else_is_found_and_opened() -> None:
     world, box = world_of(), thing_of("drone", Sphere(0.1), (0, 0, 0))
@@ -94,6 +99,21 @@ def test_an_unknown_renderer_is_told_with_the_nearest(name: object) -> None:
         assert fault.hint == ("did you mean 'raster'?" if name == "raste" else known)
 
 
+@pytest.mark.parametrize("name", ["tiny", "egl"])
+def test_without_pybullet_its_renderers_and_its_window_say_so(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    for use in (
+        lambda: check_renderer(name),
+        lambda: open_session(Options(settings={"renderer": name})),
+        lambda: show_window(world_of()),
+    ):
+        with pytest.raises(UserError, match="is pybullet's, which is not installed") as caught:
+            use()
+        assert caught.value.code == "no-pybullet" and "vencejo[bullet]" in str(caught.value)
+
+
 def test_all_renderers_show_the_same_scene() -> None:
     """A red box, a blue vehicle of the same name above it, and one that has no pose."""
     box = thing_of("box", Cuboid(Point(1, 1, 1)), (0, 0, 0.5), color=(250, 0, 0))
@@ -102,7 +122,7 @@ def test_all_renderers_show_the_same_scene() -> None:
         try:
             renderer = open_renderer(name, world_of(box), {"box": drone, "mouse": drone})
         except UserError as error:
-            assert error.code == "no-egl"
+            assert error.code in NOT_HERE
             continue
         try:
             alone = renderer.render(EYE, LENS, 0.0, {})
@@ -135,7 +155,7 @@ def test_nothing_close_is_seen_through(name: str, gap: float) -> None:
         try:
             renderer = open_renderer(name, world, {})
         except UserError as error:
-            assert error.code == "no-egl"
+            assert error.code in NOT_HERE
             return
         eye = look((0, 0, 5), (to[0], to[1], 5 + to[2]))
         image = renderer.render(eye, LENS, 0.0, {})
@@ -152,7 +172,7 @@ def test_what_is_close_hides_what_is_behind_and_nothing_else(name: str, off: flo
     try:
         renderer = open_renderer(name, world_of(rod, wall, poster), {})
     except UserError as error:
-        assert error.code == "no-egl"
+        assert error.code in NOT_HERE
         return
     image = renderer.render(look((0, 0, 5), (1, 0, 5)), LENS, 0.0, {})
     renderer.close()

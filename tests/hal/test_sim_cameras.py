@@ -15,12 +15,13 @@ import cv2
 import numpy as np
 import pytest
 
+from hal.engines import open_engine
 from hal.scene.appearance import color_of
 from hal.scene.transforms import rotation_matrix
 from hal.sim import CameraSpec, SimSession, open_session
-from hal.sim.bullet import Bullet
 from hal.sim.sensors.lens import Lens
 from hal.vehicle import Frame, Options, Position, Unavailable, VehicleSpec, Velocity
+from tests.hal.engines import needs_pybullet
 from tests.hal.flying import LONG, named
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
@@ -33,7 +34,16 @@ AHEAD, DOWN = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 
 def session_on(world: World, vehicles: tuple[str, ...] = ("drone",), **settings: Any) -> SimSession:
-    return SimSession(Options(named(*vehicles), settings=settings), world, Bullet())
+    return SimSession(Options(named(*vehicles), settings=settings), world, open_engine())
+
+
+def latest(session: SimSession, camera: str) -> Frame:
+    """The newest frame of a camera, which becomes the active one."""
+    drone = session.vehicles["drone"]
+    drone.use_camera(camera)
+    frame = drone.camera(camera).latest()
+    assert frame is not None
+    return frame
 
 
 def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
@@ -41,10 +51,43 @@ def frames(session: SimSession, camera: str, periods: int) -> list[Frame]:
     found = []
     for _ in range(periods):
         session.wait()
-        taken = session.vehicles["drone"].camera(camera).latest()
-        assert taken is not None
-        found.append(taken)
+        found.append(latest(session, camera))
     return found
+
+
+def test_one_camera_of_an_ar_drone_delivers_images_at_a_time() -> None:
+    with session_on(world_of()) as session:
+        drone = session.vehicles["drone"]
+        front, ventral = drone.camera("front"), drone.camera("ventral")
+        assert (drone.active_camera, front.latest() is not None) == ("front", True)
+        with pytest.raises(
+            Unavailable,
+            match=r"^the camera 'ventral' is not active, 'front' is: `call: \{camera: ventral\}`",
+        ):
+            ventral.latest()
+        drone.use_camera("ventral")
+        assert (drone.active_camera, ventral.latest() is not None) == ("ventral", True)
+        with pytest.raises(Unavailable, match="'front' is not active"):
+            front.latest()
+        drone.use_camera()
+        assert drone.active_camera == "front"
+        drone.use_camera("front")
+        assert drone.active_camera == "front"
+        with pytest.raises(Unavailable, match="no camera 'rear'"):
+            drone.use_camera("rear")
+        assert drone.active_camera == "front"
+
+
+def test_both_cameras_of_another_model_deliver_images() -> None:
+    options = Options((VehicleSpec("drone", "f450"),))
+    with SimSession(options, world_of(), open_engine()) as session:
+        drone = session.vehicles["drone"]
+        assert drone.active_camera is None
+        drone.use_camera("ventral")
+        drone.use_camera()
+        assert all(drone.camera(name).latest() for name in ("front", "ventral"))
+        with pytest.raises(Unavailable, match="no camera 'rear'"):
+            drone.use_camera("rear")
 
 
 def test_both_default_cameras_are_told_of() -> None:
@@ -57,9 +100,7 @@ def test_both_default_cameras_are_told_of() -> None:
 
 def test_where_the_default_cameras_look() -> None:
     with session_on(world_of()) as session:
-        drone = session.vehicles["drone"]
-        front, ventral = (drone.camera(name).latest() for name in ("front", "ventral"))
-        assert front is not None and ventral is not None
+        front, ventral = (latest(session, name) for name in ("front", "ventral"))
         assert turned(AHEAD, front.attitude) == pytest.approx((1, 0, 0), abs=1e-6)
         assert turned(DOWN, front.attitude) == pytest.approx((0, 0, 1), abs=1e-6)
         assert turned(AHEAD, ventral.attitude) == pytest.approx((0, 0, -1), abs=1e-6)
@@ -76,11 +117,11 @@ def test_pictures_come_at_the_rate_of_the_camera_and_are_of_its_capture_time() -
     with session_on(world_of(), cameras=cameras) as session:
         session.vehicles["drone"].takeoff(2.0)
         fast = frames(session, "fast", 80)
-        slow = session.vehicles["drone"].camera("slow").latest()
+        slow = latest(session, "slow")
         assert [frame.sequence for frame in fast[:4]] == [0, 1, 2, 3]
         assert [frame.sequence for frame in fast[-4:]] == [57, 58, 59, 60]
         assert [frame.time for frame in fast] == [frame.sequence / 30 for frame in fast]
-        assert slow is not None and (slow.sequence, slow.time) == (15, 2.0)
+        assert (slow.sequence, slow.time) == (15, 2.0)
 
 
 def test_a_picture_read_late_shows_its_capture_time() -> None:
@@ -96,9 +137,7 @@ def test_a_picture_read_late_shows_its_capture_time() -> None:
                     drone.command(Velocity(x=2.0, yaw_rate=1.0), LONG)
                 session.wait()
                 if period == (118 if late else 109):
-                    frame = drone.camera("down").latest()
-                    assert frame is not None
-                    seen.append(frame)
+                    seen.append(latest(session, "down"))
     first, second = seen
     assert (first.sequence, first.time) == (second.sequence, second.time) == (11, 2.75)
     assert (first.position, first.attitude) == (second.position, second.attitude)
@@ -145,8 +184,8 @@ def test_a_camera_of_ones_own() -> None:
     with session_on(world_of(), cameras={"side": spec, "ventral": None}) as session:
         drone = session.vehicles["drone"]
         assert "camera.ventral" not in drone.capabilities
-        side = drone.camera("side").latest()
-        assert side is not None and side.image.shape == (120, 160, 3)
+        side = latest(session, "side")
+        assert side.image.shape == (120, 160, 3)
         assert turned(AHEAD, side.attitude) == pytest.approx((0, 0.9553, -0.2955), abs=1e-4)
         assert side.position == pytest.approx((0, 0.1, 0.06), abs=1e-3)
 
@@ -154,7 +193,7 @@ def test_a_camera_of_ones_own() -> None:
 def test_noise_is_as_strong_as_asked_and_the_runs_own() -> None:
     def noisy(seed: int) -> list[Frame]:
         options = Options(seed=seed, settings={"cameras": {"front": {"noise": 4.0}}})
-        with SimSession(options, world_of(), Bullet()) as session:
+        with SimSession(options, world_of(), open_engine()) as session:
             return frames(session, "front", 6)
 
     first, again, other = noisy(1), noisy(1), noisy(2)
@@ -194,7 +233,7 @@ def test_vehicles_see_each_other_and_not_themselves() -> None:
 def test_the_colour_of_a_vehicle_may_be_chosen() -> None:
     pink = (250, 10, 160)
     vehicles = VehicleSpec("cat"), VehicleSpec("mouse", color=pink)
-    with SimSession(Options(vehicles), world_of(), Bullet()) as session:
+    with SimSession(Options(vehicles), world_of(), open_engine()) as session:
         session.wait()
         taken = session.vehicles["cat"].camera("front").latest()
         assert taken is not None
@@ -257,7 +296,7 @@ def track(reads: tuple[str, ...], **settings: Any) -> list[object]:
             session.wait()
             if period % 10 == 0:
                 for name in reads:
-                    drone.camera(name).latest()
+                    latest(session, name)
             seen.append(drone.observe())
     return seen
 
@@ -267,8 +306,12 @@ def test_reading_cameras_changes_nothing_else() -> None:
     assert track(("front", "ventral")) == alone
     noisy = {"front": {"noise": 3.0, "exposure": 0.01}}
     assert track(("front",), cameras=noisy) == alone
-    assert track(("front",), renderer="tiny") == alone
     assert track(("front",), shadows=True) == alone
+
+
+@needs_pybullet
+def test_another_renderer_changes_nothing_else() -> None:
+    assert track(("front",), renderer="tiny") == track(())
 
 
 def test_a_flight_without_pictures_imports_nothing_for_them() -> None:
@@ -290,7 +333,7 @@ def test_a_flight_without_pictures_imports_nothing_for_them() -> None:
     [
         {},
         {"wind": "5m/s@270deg,gusts=8m/s"},
-        {"noise": True, "renderer": "tiny", "shadows": True, "sensors": {"down": {"rate": 10}}},
+        {"noise": True, "engine": "mujoco", "shadows": True, "sensors": {"down": {"rate": 10}}},
         {"cameras": {"front": None, "rear": {"pan": 3.0, "distortion": [0.1, 0.0, 0.0, 0.0]}}},
         {"cameras": {"ventral": {"at": (0.0, 0.1, 0.0), "view": 1.0, "width": 64}}},
     ],
@@ -301,6 +344,15 @@ def test_a_session_gives_back_its_settings(given: dict[str, object]) -> None:
             return session.settings
 
     found = settings(given)
-    assert set(found) == {"noise", "physics", "wind", "cameras", "sensors", "renderer", "shadows"}
+    assert set(found) == {
+        "engine",
+        "noise",
+        "physics",
+        "wind",
+        "cameras",
+        "sensors",
+        "renderer",
+        "shadows",
+    }
     # Through JSON, as a log has them; and in the same sequence.
     assert json.dumps(settings(json.loads(json.dumps(found)))) == json.dumps(found)

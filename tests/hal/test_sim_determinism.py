@@ -12,16 +12,21 @@ import pytest
 
 from hal.sim import open_session
 from hal.vehicle import Hold, Options, Position, Velocity
+from tests.hal.engines import ENGINES
 from tests.hal.flying import LONG, named
 from vencejo.geometry import Point
 
 ROOT = Path(__file__).parents[2]
 
 
-def flight(seed: int, noise: float = 1.0, looks: int = 1, world: str = "yard") -> str:
+def flight(
+    seed: int, noise: float = 1.0, looks: int = 1, world: str = "yard", engine: str | None = None
+) -> str:
     """The digest of all that two vehicles report in a flight that touches much."""
     digest = sha256()
-    options = Options(named("cat", "mouse"), world, seed, settings={"noise": noise})
+    options = Options(
+        named("cat", "mouse"), world, seed, settings={"noise": noise, "engine": engine}
+    )
     with open_session(options) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
         cat.takeoff(2.0)
@@ -44,21 +49,25 @@ def flight(seed: int, noise: float = 1.0, looks: int = 1, world: str = "yard") -
     return digest.hexdigest()
 
 
-def test_the_same_seed_is_the_same_flight() -> None:
-    assert flight(7) == flight(7)
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_same_seed_is_the_same_flight(engine: str) -> None:
+    assert flight(7, engine=engine) == flight(7, engine=engine)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("world", ["pursuit", "forest:3"])
-def test_the_same_world_is_the_same_flight(world: str) -> None:
-    assert flight(7, world=world) == flight(7, world=world)
+def test_the_same_world_is_the_same_flight(world: str, engine: str) -> None:
+    assert flight(7, world=world, engine=engine) == flight(7, world=world, engine=engine)
 
 
 def test_looking_often_changes_nothing() -> None:
     assert flight(7) == flight(7, looks=3)
 
 
-def test_another_process_flies_the_same() -> None:
-    program = "from tests.hal.test_sim_determinism import flight; print(flight(7))"
+@pytest.mark.parametrize("engine", ENGINES)
+def test_another_process_flies_the_same(engine: str) -> None:
+    call = f"flight(7, engine={engine!r})"
+    program = f"from tests.hal.test_sim_determinism import flight; print({call})"
     ran = subprocess.run(
         [sys.executable, "-c", program],
         cwd=ROOT,
@@ -67,7 +76,7 @@ def test_another_process_flies_the_same() -> None:
         text=True,
         check=True,
     )
-    assert ran.stdout.strip() == flight(7)
+    assert ran.stdout.strip() == flight(7, engine=engine)
 
 
 def test_the_seed_moves_the_noise_and_only_that() -> None:
@@ -85,8 +94,9 @@ def test_vehicles_have_noise_of_their_own() -> None:
         assert a.minus(b).plus((2.0, 0.0, 0.0)).norm() > 1e-4
 
 
-def test_another_simulation_beside_it_changes_nothing() -> None:
-    alone = flight(3)
-    with open_session(Options(world="yard")) as session:
+@pytest.mark.parametrize("engine", ENGINES)
+def test_another_simulation_beside_it_changes_nothing(engine: str) -> None:
+    alone = flight(3, engine=engine)
+    with open_session(Options(world="yard", settings={"engine": engine})) as session:
         session.wait()
-        assert flight(3) == alone
+        assert flight(3, engine=engine) == alone

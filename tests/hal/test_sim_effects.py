@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hal.sim import SimSession
 from hal.sim.effects import IDEAL, REAL, Effects, plain_effects, read_effects
-from hal.sim.model import ARDRONE2 as MODEL
+from hal.sim.model_files import load_model
 from hal.sim.rotors import RotorDrive
 from hal.vehicle import Attitude, Hold, Limits, Position, Velocity
 from tests.hal.flying import LONG, only, session_of, take_off, told, wait
@@ -20,6 +20,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point, roll_pitch_of
 from worlds.things import Cuboid
 
+MODEL = load_model("ardrone2")
 G, RHO = 9.80665, 1.225
 WEIGHT = MODEL.mass * G
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hal.engines import open_engine
 from hal.lights import COLORS, Lights
 from hal.sim import SimSession
-from hal.sim.bullet import Bullet
 from hal.vehicle import Frame, Options
+from tests.hal.engines import needs_pybullet
 from tests.hal.flying import named, wait
 from worlds.loader import read_world
 
@@ -21,11 +22,11 @@ def pixels(frame: Frame, rgb: tuple[int, int, int]) -> int:
     return int((away < 60).sum())
 
 
-@pytest.mark.parametrize("renderer", ["raster", "tiny"])
+@pytest.mark.parametrize("renderer", ["raster", pytest.param("tiny", marks=needs_pybullet)])
 def test_another_vehicle_s_camera_sees_the_lamps(renderer: str) -> None:
     world = read_world("world: test\nstart: [{at: [0, 0]}, {at: [1.2, 0]}]\n", "test.yaml")
     options = Options(named("cat", "mouse"), settings={"renderer": renderer})
-    with SimSession(options, world, Bullet()) as session:
+    with SimSession(options, world, open_engine()) as session:
         cat, mouse = session.vehicles["cat"], session.vehicles["mouse"]
 
         def seen() -> Frame:
@@ -47,7 +48,7 @@ def test_another_vehicle_s_camera_sees_the_lamps(renderer: str) -> None:
 def test_lights_that_change_later_do_not_change_an_earlier_picture() -> None:
     world = read_world("world: test\nstart: [{at: [0, 0]}, {at: [1.2, 0]}]\n", "test.yaml")
     options = Options(named("cat", "mouse"), settings={"cameras": {"front": {"rate": 1.0}}})
-    with SimSession(options, world, Bullet()) as session:
+    with SimSession(options, world, open_engine()) as session:
         wait(session, 1.2)
         session.vehicles["mouse"].lights(Lights("solid", "blue"))
         wait(session, 0.3)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import cos, pi, sin
 from pathlib import Path
 
 import pytest
 
+import hal.engines
 from hal.sim import open_session
-from hal.sim.bullet import Bullet
-from hal.sim.physics import GRAVITY, STEP, Body, Triple
+from hal.sim.physics import GRAVITY, STEP, Body, Physics, Triple
 from hal.sim.vehicle import SimVehicle
 from hal.vehicle import Options, Position, VehicleSpec, Velocity
+from tests.hal.engines import ENGINES
 from tests.hal.flying import LONG, finish, hovering, named, only, take_off, wait
 from vencejo.errors import UserError, VehicleError
 from vencejo.geometry import Point, Quaternion, distance, yaw_quaternion
@@ -27,9 +28,9 @@ LEVEL = (0.0, 0.0, 0.0, 1.0)
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def physics() -> Iterator[Bullet]:
-    engine = Bullet()
+@pytest.fixture(params=ENGINES)
+def physics(request: pytest.FixtureRequest) -> Iterator[Physics]:
+    engine = ENGINES[request.param]()
     yield engine
     engine.close()
 
@@ -43,7 +44,7 @@ def cube(name: str, x: float, y: float, z: float = 0.0) -> Thing:
     return box(name, Point(x, y, z), Point(1.0, 1.0, 1.0))
 
 
-def body(physics: Bullet, at: Triple, attitude: Quaternion = LEVEL) -> Body:
+def body(physics: Physics, at: Triple, attitude: Quaternion = LEVEL) -> Body:
     return physics.add_body(2.0, (0.1, 0.2, 0.3), (0.4, 0.4, 0.2), at, attitude)
 
 
@@ -55,7 +56,7 @@ def carried(thing: Body) -> bool:
 # The engine.
 
 
-def test_nothing_slows_a_free_body_down(physics: Bullet) -> None:
+def test_nothing_slows_a_free_body_down(physics: Physics) -> None:
     thing = body(physics, (0, 0, 1000.0))
     for _ in range(240):
         physics.step()
@@ -64,7 +65,7 @@ def test_nothing_slows_a_free_body_down(physics: Bullet) -> None:
     assert z == pytest.approx(1000 - GRAVITY / 2, abs=0.03)
 
 
-def test_a_push_is_along_the_bodys_own_axes(physics: Bullet) -> None:
+def test_a_push_is_along_the_bodys_own_axes(physics: Physics) -> None:
     on_its_side = (sin(pi / 4), 0.0, 0.0, cos(pi / 4))  # rolled by 90°: its z points to −y
     thing = body(physics, (0, 0, 50.0), on_its_side)
     thing.push((0.0, 0.0, 3.0), (0.1, 0.2, 0.3))
@@ -77,7 +78,7 @@ def test_a_push_is_along_the_bodys_own_axes(physics: Bullet) -> None:
     assert thing.state()[2][1] == pytest.approx(before[2][1]), "a push lasts for one step"
 
 
-def test_every_box_of_many_is_solid(physics: Bullet) -> None:
+def test_every_box_of_many_is_solid(physics: Physics) -> None:
     boxes = [cube(f"b{k}", 3.0 * k, 0) for k in range(40)]
     physics.add_things(boxes)
     things = [body(physics, (each.at.x, 0, 1.4)) for each in boxes]
@@ -88,13 +89,13 @@ def test_every_box_of_many_is_solid(physics: Bullet) -> None:
         assert carried(thing)
 
 
-def test_boxes_stand_where_their_headings_turn_them(physics: Bullet) -> None:
+def test_boxes_stand_where_their_headings_turn_them(physics: Physics) -> None:
     physics.add_things([box("b", Point(2, 0, 1), Point(4, 1, 2), pi / 2)])
     down = [physics.ray((x, y, 9), (x, y, -1)) for x, y in ((2, 1.9), (3.9, 0), (2, -1.9))]
     assert [round(hit.z, 3) if hit else None for hit in down] == [3.0, 0.0, 3.0]
 
 
-def test_a_ray_meets_the_ground_and_boxes_but_no_body(physics: Bullet) -> None:
+def test_a_ray_meets_the_ground_and_boxes_but_no_body(physics: Physics) -> None:
     physics.add_things([cube("b", 5, 0)])
     body(physics, (0, 0, 3.0))
     physics.step()
@@ -104,7 +105,7 @@ def test_a_ray_meets_the_ground_and_boxes_but_no_body(physics: Bullet) -> None:
     assert physics.ray((0, 0, 5), (9, 0, 5)) is None
 
 
-def test_a_wall_beside_it_supports_nothing(physics: Bullet) -> None:
+def test_a_wall_beside_it_supports_nothing(physics: Physics) -> None:
     physics.add_things([cube("b", 0.6999, 0, 5)])
     thing = body(physics, (0, 0, 5.5))
     assert not carried(thing)
@@ -114,8 +115,8 @@ def test_a_wall_beside_it_supports_nothing(physics: Bullet) -> None:
     assert not carried(thing)
 
 
-def test_simulations_do_not_know_each_other(physics: Bullet) -> None:
-    other = Bullet()
+def test_simulations_do_not_know_each_other(physics: Physics) -> None:
+    other = type(physics)()
     one, two = body(physics, (0, 0, 10.0)), body(other, (0, 0, 10.0))
     physics.step()
     assert one.state() != two.state() == ((0, 0, 10), LEVEL, (0, 0, 0), (0, 0, 0))
@@ -124,44 +125,78 @@ def test_simulations_do_not_know_each_other(physics: Bullet) -> None:
     assert one.state()[2][2] == pytest.approx(-2 * GRAVITY * STEP)
 
 
-def test_closing_twice_is_closing_once(physics: Bullet) -> None:
+def test_closing_twice_is_closing_once(physics: Physics) -> None:
     physics.close()
     physics.close()
 
 
-def test_the_engine_is_loaded_late_and_says_nothing() -> None:
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_engine_is_loaded_late_and_says_nothing(engine: str, tmp_path: Path) -> None:
+    package = hal.engines.ENGINES[engine].package
     program = (
         "import sys, hal.sim as sim; from hal.vehicle import Options\n"
-        "assert 'pybullet' not in sys.modules\n"
-        "sim.open_session(Options()).wait()\n"
-        "assert 'pybullet' in sys.modules; print('ours')"
+        "assert not {'pybullet', 'mujoco'} & set(sys.modules)\n"
+        f"sim.open_session(Options(settings={{'engine': {engine!r}}})).wait()\n"
+        f"assert {{'pybullet', 'mujoco'}} & set(sys.modules) == {{{package!r}}}; print('ours')"
     )
     ran = subprocess.run(
         [sys.executable, "-c", program],
-        cwd=ROOT,
+        cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         check=False,
     )
     assert (ran.returncode, ran.stdout, ran.stderr) == (0, "ours\n", "")
+    assert not list(tmp_path.iterdir()), "it keeps no log of its own"
 
 
-def test_without_pybullet_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pybullet", None)
-    with pytest.raises(VehicleError, match="pybullet") as caught:
-        open_session(Options())
+@pytest.fixture
+def absent(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Makes a package one that is not installed."""
+
+    def remove(package: str) -> None:
+        monkeypatch.setitem(sys.modules, package, None)
+
+    return remove
+
+
+@pytest.mark.parametrize(
+    ("engine", "package", "hint"),
+    [
+        ("bullet", "pybullet", 'pip install "vencejo[bullet]"'),
+        ("mujoco", "mujoco", 'pip install "vencejo[mujoco]"'),
+    ],
+)
+def test_without_the_engine_it_says_what_to_install(
+    engine: str, package: str, hint: str, absent: Callable[[str], None]
+) -> None:
+    absent(package)
+    with pytest.raises(VehicleError, match="not installed") as caught:
+        open_session(Options(settings={"engine": engine}))
     assert (caught.value.exit_code, caught.value.code) == (3, "no-physics")
-    assert 'pip install "vencejo[sim]"' in str(caught.value)
+    assert hint in str(caught.value)
+
+
+def test_without_pybullet_it_is_mujoco(absent: Callable[[str], None]) -> None:
+    absent("pybullet")
+    with open_session(Options()) as session:
+        assert session.engine.startswith("mujoco ")
+        assert session.settings["engine"] == "mujoco"
+    absent("mujoco")
+    with pytest.raises(VehicleError, match="MuJoCo"):
+        open_session(Options())
 
 
 # A session.
 
 
-def test_the_engine_has_a_version() -> None:
-    with open_session(Options()) as session:
+@pytest.mark.parametrize(("engine", "package"), [("bullet", "pybullet"), ("mujoco", "mujoco")])
+def test_the_engine_has_a_version(engine: str, package: str) -> None:
+    with open_session(Options(settings={"engine": engine})) as session:
         name, number = session.engine.split()
-        assert name == "pybullet" and number[0].isdigit()
+        assert name == package and number[0].isdigit()
+        assert session.settings["engine"] == engine
 
 
 def test_a_closed_session_advances_no_more() -> None:
@@ -175,6 +210,8 @@ def test_a_closed_session_advances_no_more() -> None:
     ("options", "code"),
     [
         (Options(settings={"nois": 1}), "unknown-setting"),
+        (Options(settings={"engine": "mujcoo"}), "unknown-engine"),
+        (Options(settings={"engine": 2}), "unknown-engine"),
         (Options(settings={"noise": "loud"}), "bad-setting"),
         (Options(settings={"noise": -1}), "bad-setting"),
         (Options(settings={"shadows": "no"}), "bad-setting"),
@@ -348,6 +385,6 @@ def test_a_set_point_that_is_no_number_is_our_mistake() -> None:
         assert distance(wait(session, 1)[-1].position, (0, 0, 5)) < 0.001
 
 
-def test_yaw_quaternion_is_what_the_engine_means(physics: Bullet) -> None:
+def test_yaw_quaternion_is_what_the_engine_means(physics: Physics) -> None:
     thing = body(physics, (0, 0, 5), yaw_quaternion(0.7))
     assert thing.state()[1] == pytest.approx(yaw_quaternion(0.7))

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from hal.sim import CAPABILITIES, SimSession, open_session
-from hal.sim.bullet import Bullet
+from hal.engines import open_engine
+from hal.sim import MODELS, SimSession, open_session
 from hal.sim.sensors.rangefinder import RangefinderSpec
 from hal.sim.sensors.sampling import newest_capture
 from hal.vehicle import Options, Position, Reading, Sensor, Unavailable, Velocity
@@ -17,6 +17,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point, roll_pitch_of
 from worlds.loader import read_world
 
+CAPABILITIES = MODELS.find(None).capabilities
 SKIDS = 0.06
 """Height of the centre of mass above the skids, metres."""
 TABLE = "boxes: {table: {at: [3, 0], size: [2, 2, 1]}}\n"
@@ -28,7 +29,7 @@ boxes: {trolley: {size: [1, 1, 0.5], moves: {through: [[0, 4], [0, -4]], speed: 
 def session_on(text: str = "", vehicles: tuple[str, ...] = ("drone",), **down: Any) -> SimSession:
     world = read_world(f"world: test\nstart: {{at: [0, 8]}}\n{text}", "test.yaml")
     return SimSession(
-        Options(named(*vehicles), settings={"sensors": {"down": down}}), world, Bullet()
+        Options(named(*vehicles), settings={"sensors": {"down": down}}), world, open_engine()
     )
 
 

@@ -11,11 +11,11 @@ import pytest
 
 from hal.scene.surfaces import terrain_surface
 from hal.sim import open_session
-from hal.sim.bullet import Bullet
 from hal.sim.contact_debouncer import ContactDebouncer
 from hal.sim.obstacle_heights import ObstacleHeightGrid
-from hal.sim.physics import GRAVITY, STEP, Body, Triple
+from hal.sim.physics import GRAVITY, STEP, Body, Physics, Triple
 from hal.vehicle import Options, Position, VehicleEvent, Velocity
+from tests.hal.engines import ENGINES, mover_pose
 from tests.hal.flying import LONG, finish, hovering, named, only, take_off, wait
 from vencejo.geometry import Point, distance, yaw_of
 from worlds import figures
@@ -29,9 +29,9 @@ GRAY = (128, 128, 128)
 KEEP_AWAY = "world: w\nstart: {at: [90, 90]}\n"
 
 
-@pytest.fixture
-def physics() -> Iterator[Bullet]:
-    engine = Bullet()
+@pytest.fixture(params=ENGINES)
+def physics(request: pytest.FixtureRequest) -> Iterator[Physics]:
+    engine = ENGINES[request.param]()
     yield engine
     engine.close()
 
@@ -44,11 +44,11 @@ def box(name: str, at: Point, height: float = 1.0) -> Thing:
     return Thing(name, "box", at, UPRIGHT, figures.box(Point(1, 1, height), GRAY))
 
 
-def drone(physics: Bullet, at: Triple, name: str = "") -> Body:
+def drone(physics: Physics, at: Triple, name: str = "") -> Body:
     return physics.add_body(0.436, (2e-3, 3e-3, 5e-3), (0.5, 0.5, 0.12), at, UPRIGHT, name)
 
 
-def run(physics: Bullet, seconds: float) -> None:
+def run(physics: Physics, seconds: float) -> None:
     for _ in range(round(seconds / STEP)):
         physics.step()
 
@@ -57,7 +57,7 @@ def run(physics: Bullet, seconds: float) -> None:
 
 
 @pytest.mark.parametrize("count", [1, 16, 17, 33, 200])
-def test_every_box_is_hit_and_known(physics: Bullet, count: int) -> None:
+def test_every_box_is_hit_and_known(physics: Physics, count: int) -> None:
     boxes = [box(f"b{k}", Point(3.0 * (k % 20), 3.0 * (k // 20), 0)) for k in range(count)]
     physics.add_things(boxes)
     starts = [(each.at.x, each.at.y, 5.0) for each in boxes]
@@ -70,7 +70,7 @@ def test_every_box_is_hit_and_known(physics: Bullet, count: int) -> None:
     assert falling.state()[0][2] == pytest.approx(1.06, abs=0.002)
 
 
-def test_a_touch_has_the_name_of_the_thing(physics: Bullet) -> None:
+def test_a_touch_has_the_name_of_the_thing(physics: Physics) -> None:
     boxes = [box(f"b{k}", Point(3.0 * k, 0, 0), 3.0) for k in range(40)]
     physics.add_things(boxes)
     body = drone(physics, (3.0 * 16 - 0.749, 0, 1))
@@ -82,7 +82,7 @@ def test_a_touch_has_the_name_of_the_thing(physics: Bullet) -> None:
     assert [each.place[0] for each in touches] == pytest.approx([3.0 * 16 - 0.5] * 4, abs=0.001)
 
 
-def test_the_ground_has_no_name(physics: Bullet) -> None:
+def test_the_ground_has_no_name(physics: Physics) -> None:
     body = drone(physics, (0, 0, 0.06))
     physics.step()
     touches = body.contacts()
@@ -94,7 +94,7 @@ def test_the_ground_has_no_name(physics: Bullet) -> None:
     assert (hits.name(0), hits.name(1)) == ("", None)
 
 
-def test_vehicles_feel_each_other_by_name(physics: Bullet) -> None:
+def test_vehicles_feel_each_other_by_name(physics: Physics) -> None:
     one, other = drone(physics, (0, 0, 5), "cat"), drone(physics, (0.499, 0, 5), "mouse")
     physics.step()
     assert {(each.name, each.free) for each in one.contacts()} == {("mouse", True)}
@@ -105,7 +105,7 @@ SHAPES = (Cuboid(Point(2, 1, 3)), Cylinder(0.6, 3.0), Sphere(1.2))
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
-def test_shapes_are_solid_in_any_pose(physics: Bullet, shape: Shape) -> None:
+def test_shapes_are_solid_in_any_pose(physics: Physics, shape: Shape) -> None:
     random = Random(3)
     parts = []
     for k in range(18):
@@ -130,14 +130,14 @@ def test_shapes_are_solid_in_any_pose(physics: Bullet, shape: Shape) -> None:
         assert hits.name(nearest) == f"t{k}"
 
 
-def test_markers_and_beacons_are_no_obstacles(physics: Bullet) -> None:
+def test_markers_and_beacons_are_no_obstacles(physics: Physics) -> None:
     physics.add_things(
         things("markers: {m: {at: [0, 0, 2], id: 1, size: 1}}\nbeacons: {b: {at: [0, 0, 3]}}")
     )
     assert physics.rays([(0, 0, 5)], [(0, 0, 0.1)]).distances == [inf]
 
 
-def test_a_mesh_is_solid_as_it_is(physics: Bullet, tmp_path: Path) -> None:
+def test_a_mesh_is_solid_as_it_is(physics: Physics, tmp_path: Path) -> None:
     # A roof: a prism whose ridge runs along y at a height of 1 m.
     (tmp_path / "roof.obj").write_text(
         "v -1 -2 0\nv 1 -2 0\nv 0 -2 1\nv -1 2 0\nv 1 2 0\nv 0 2 1\n"
@@ -154,7 +154,7 @@ def test_a_mesh_is_solid_as_it_is(physics: Bullet, tmp_path: Path) -> None:
     assert [hits.name(k) for k in range(4)] == ["roof", "roof", "roof", ""]
 
 
-def test_a_model_is_solid_as_it_looks(physics: Bullet, tmp_path: Path) -> None:
+def test_a_model_is_solid_as_it_looks(physics: Physics, tmp_path: Path) -> None:
     (tmp_path / "lamp.urdf").write_text(
         '<robot name="lamp"><link name="foot"><visual><geometry>'
         '<cylinder radius="0.5" length="2"/></geometry></visual></link>'
@@ -173,7 +173,7 @@ def test_a_model_is_solid_as_it_looks(physics: Bullet, tmp_path: Path) -> None:
     assert [hits.name(ray) for ray in range(3)] == ["lamp", "lamp", ""]
 
 
-def test_hills_are_ground(physics: Bullet) -> None:
+def test_hills_are_ground(physics: Physics) -> None:
     heights = ((0.0,) * 4, (0.0, 1.0, 3.0, 0.0), (0.0, 0.0, 2.0, 0.0), (0.0,) * 4)
     physics.add_things([], Terrain(heights, 30.0))
     spots = [(-5, -5), (5, -5), (5, 5), (-5, 5), (0, -5), (14, 14), (20, 0)]
@@ -186,7 +186,7 @@ def test_hills_are_ground(physics: Bullet) -> None:
 
 
 def test_hills_are_as_high_in_physics_pictures_and_for_what_stands_on_them(
-    physics: Bullet,
+    physics: Physics,
 ) -> None:
     draw = Random(5)
     inner = range(1, 5)
@@ -213,21 +213,20 @@ def pad(speed: float, points: tuple[Point, ...] = SQUARE, turns: bool = True) ->
 
 
 @pytest.mark.slow
-def test_a_mover_is_on_its_path_after_ten_minutes(physics: Bullet) -> None:
+def test_a_mover_is_on_its_path_after_ten_minutes(physics: Physics) -> None:
     _on_path(physics, 600)
 
 
-def test_a_mover_is_on_its_path(physics: Bullet) -> None:
+def test_a_mover_is_on_its_path(physics: Physics) -> None:
     _on_path(physics, 20)
 
 
-def _on_path(physics: Bullet, seconds: float) -> None:
+def _on_path(physics: Physics, seconds: float) -> None:
     moving = pad(1.7)
     physics.add_things([moving])
     drone(physics, (0, 0, 1.3))
     run(physics, seconds)
-    (mover,) = physics._movers
-    at, attitude = physics._p.getBasePositionAndOrientation(mover.body, physics._client)
+    at, attitude = mover_pose(physics)
     there, heading = pose_at(moving, seconds)
     assert at == pytest.approx(there, abs=1e-6)
     assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
@@ -235,22 +234,21 @@ def _on_path(physics: Bullet, seconds: float) -> None:
 
 @pytest.mark.parametrize("smooth_corner", [True, False])
 def test_a_mover_is_where_pictures_show_it_at_every_step(
-    physics: Bullet, smooth_corner: bool
+    physics: Physics, smooth_corner: bool
 ) -> None:
     """Cameras of 30 Hz look between mission periods; corners and curves differ most there."""
     corners = tuple(Point(3 * cos(k), 3 * sin(k), 1) for k in range(6)) if smooth_corner else SQUARE
     moving = pad(9.0, corners)
     physics.add_things([moving])
-    (mover,) = physics._movers
     for steps in range(1, 600):
         physics.step()
-        at, attitude = physics._p.getBasePositionAndOrientation(mover.body, physics._client)
+        at, attitude = mover_pose(physics)
         there, heading = pose_at(moving, steps * STEP)
         assert at == pytest.approx(there, abs=1e-6)
         assert yaw_of(attitude) == pytest.approx(yaw_of(heading), abs=1e-6)
 
 
-def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:
+def test_what_stands_on_a_moving_pad_is_carried(physics: Physics) -> None:
     points = (Point(0, 0, 1), Point(40, 0, 1))
     moving = pad(0.5, points, turns=False)
     physics.add_things([moving])
@@ -269,7 +267,7 @@ def test_what_stands_on_a_moving_pad_is_carried(physics: Bullet) -> None:
     assert yaw_of(attitude) == pytest.approx(0, abs=0.01)
 
 
-def test_a_turning_pad_turns_what_stands_on_it(physics: Bullet) -> None:
+def test_a_turning_pad_turns_what_stands_on_it(physics: Physics) -> None:
     round_way = tuple(Point(4 * cos(k * pi / 30), 4 * sin(k * pi / 30), 1) for k in range(60))
     moving = pad(0.8, round_way)
     physics.add_things([moving])
@@ -284,7 +282,7 @@ def test_a_turning_pad_turns_what_stands_on_it(physics: Bullet) -> None:
     assert yaw_of(attitude) == pytest.approx(yaw_of(now), abs=0.1)
 
 
-def test_a_mover_is_met_by_rays_and_bodies(physics: Bullet) -> None:
+def test_a_mover_is_met_by_rays_and_bodies(physics: Physics) -> None:
     moving = pad(1.0, (Point(0, 0, 1), Point(10, 0, 1)), turns=False)
     physics.add_things([moving])
     body = drone(physics, (5, 0, 1.1), "d")

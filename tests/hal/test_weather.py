@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 
 from hal.sim.downwash import downwash
 from hal.sim.gusts import GustTrain
-from hal.sim.model import ARDRONE2
+from hal.sim.model_files import load_model
 from hal.sim.turbulence import Turbulence, scales_at
 from hal.sim.weather import Weather
 from hal.vehicle import PERIOD
 from worlds.wind import TURBULENCE
 from worlds.world import Gusts, Wind
 
+ARDRONE2 = load_model("ardrone2")
 STILL = (0.0, 0.0, 0.0)
 GUST = Gusts(to=9.0, duration=4.0, every=20.0, at=(10.0,))
 place = st.tuples(*[st.floats(-100, 100)] * 3)

@@ -63,10 +63,6 @@ class CameraSpec:
         return product(product(yaw_quaternion(self.pan), down), OPTICAL)
 
 
-FRONT = CameraSpec(at=Point(0.2, 0.0, 0.02))
-VENTRAL = CameraSpec(at=Point(0.0, 0.0, -0.04), tilt=pi / 2)
-DEFAULT_CAMERAS: Mapping[str, CameraSpec] = {"front": FRONT, "ventral": VENTRAL}
-
 _SETTINGS = {("view" if f.name == "field_of_view" else f.name): f.name for f in fields(CameraSpec)}
 """Setting of a camera → field of its specification."""
 _RANGES = {
@@ -76,13 +72,31 @@ _RANGES = {
 }  # fmt: skip
 
 
-def read_cameras(given: object) -> dict[str, CameraSpec]:
-    """The cameras of a vehicle, from the setting ``cameras``: a map of names.
+def read_cameras(given: object, model: Mapping[str, CameraSpec]) -> dict[str, CameraSpec]:
+    """The cameras of a vehicle: those of its model, changed by the setting ``cameras``.
 
-    A value is a CameraSpec, a map of the settings that differ from the camera's of that name (or
-    from ``front``), or None for no such camera. Raises UserError (``bad-setting``).
+    That is a map of names. A value is a CameraSpec, a map of the settings that differ from the
+    camera's of that name (or from ``front``), or None for no such camera. Raises UserError
+    (``bad-setting``).
     """
-    found = dict(DEFAULT_CAMERAS)
+    found = dict(model)
+    new = found.get("front", CameraSpec())
+    for name, settings in plain_cameras(given).items():
+        if settings is None:
+            if name not in found:
+                raise _bad(f"there is no camera '{name}' to switch off", nearest(name, found))
+            del found[name]
+        else:
+            found[name] = _checked(name, _changed(found.get(name, new), settings))
+    return found
+
+
+def plain_cameras(given: object) -> dict[str, Mapping[str, Any] | None]:
+    """The setting ``cameras`` in plain values: maps of settings that exist, or None.
+
+    Raises UserError (``bad-setting``).
+    """
+    found: dict[str, Mapping[str, Any] | None] = {}
     if given is None:
         return found
     if not isinstance(given, Mapping):
@@ -91,29 +105,27 @@ def read_cameras(given: object) -> dict[str, CameraSpec]:
         if not isinstance(name, str) or not name.isidentifier():
             raise _bad(f"'{name}' is no name of a camera", "letters, digits and _")
         if value is None:
-            if name not in found:
-                raise _bad(f"there is no camera '{name}' to switch off", nearest(name, found))
-            del found[name]
+            found[name] = None
         elif isinstance(value, CameraSpec):
-            found[name] = _checked(name, value)
+            found[name] = _plain(value)
         elif isinstance(value, Mapping):
-            found[name] = _checked(name, _changed(name, found.get(name, FRONT), value))
+            for key in value:
+                if key not in _SETTINGS:
+                    hint = nearest(str(key), _SETTINGS)
+                    raise _bad(f"the camera '{name}' has no '{key}'", hint)
+            found[name] = dict(value)
         else:
             raise _bad(f"the camera '{name}' is {value!r}; it must be a map of settings")
     return found
 
 
-def _changed(name: str, spec: CameraSpec, settings: Mapping[Any, Any]) -> CameraSpec:
-    for key in settings:
-        if key not in _SETTINGS:
-            raise _bad(f"the camera '{name}' has no '{key}'", nearest(str(key), _SETTINGS))
-    return replace(spec, **{_SETTINGS[key]: setting for key, setting in settings.items()})
-
-
-def plain_camera(spec: CameraSpec) -> dict[str, object]:
-    """All settings of a camera as plain values, which :func:`read_cameras` takes."""
+def _plain(spec: CameraSpec) -> dict[str, object]:
     values = {setting: getattr(spec, field) for setting, field in _SETTINGS.items()}
     return values | {"at": list(spec.at), "distortion": list(spec.distortion)}
+
+
+def _changed(spec: CameraSpec, settings: Mapping[str, Any]) -> CameraSpec:
+    return replace(spec, **{_SETTINGS[key]: setting for key, setting in settings.items()})
 
 
 def _checked(name: str, spec: CameraSpec) -> CameraSpec:
