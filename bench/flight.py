@@ -15,6 +15,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import product
 from math import sqrt
 from pathlib import Path
@@ -22,12 +23,12 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from time import process_time
 
+from bench import fleets
 from bench.machine import machine
 from bench.peers_flight import PEERS, ROUNDS
 from hal import PERIOD
 from hal.sim import open_session
-from hal.sim.vehicle import STEPS_PER_PERIOD
-from hal.vehicle import Hold, Options, Position
+from hal.vehicle import Options, Position
 from runner import missions
 from runner.loop import fly
 from runner.plan import Plan
@@ -56,7 +57,6 @@ states:
   end: {type: final}
 """
 """Along the lanes of a field of boxes."""
-FLEETS = (1, 2, 5, 10, 20)
 WIND = "3m/s@270deg,gusts=5m/s"
 Settings = Mapping[str, object]
 Job = Callable[[], float]
@@ -112,23 +112,6 @@ def recorded(mission: str, settings: Settings) -> float:
     return flown.mission_time / elapsed
 
 
-def vehicle_step(count: int) -> float:
-    """Microseconds of a physics step of one of so many vehicles that hover, 2 m apart."""
-    names = tuple(f"v{number}" for number in range(count))
-    periods = max(40, 800 // count)
-    with open_session(Options(vehicles=names)) as session:
-        orders = [vehicle.takeoff(2.0) for vehicle in session.vehicles.values()]
-        while not all(order.ended for order in orders):
-            session.wait()
-        began = process_time()
-        for _ in range(periods):
-            for vehicle in session.vehicles.values():
-                vehicle.command(Hold())
-            session.wait()
-        elapsed = process_time() - began
-    return elapsed / (periods * STEPS_PER_PERIOD * count) * 1e6
-
-
 def rms_of_hover(settings: Settings, seconds: float = 60.0) -> float:
     """Root mean square distance from the place where it is told to be, millimetres."""
     place = Point(0.0, 0.0, 5.0)
@@ -165,8 +148,12 @@ def jobs(folder: Path) -> Iterator[tuple[str, str, Job]]:
     for name, settings in variants().items():
         for label, mission in (("hover", str(hover)), ("first_flight", "first_flight")):
             yield f"{label}{name}", "× real time", lambda m=mission, s=settings: recorded(m, s)
-    for count in FLEETS:
-        yield f"{count} vehicles", "µs per vehicle-step", lambda n=count: vehicle_step(n)
+    shuttle = folder / "there_and_back.yaml"
+    shuttle.write_text(fleets.MISSION)
+    prepared = prepare(missions.find(str(shuttle)))
+    for count in fleets.NUMBERS:
+        flown = partial(fleets.time_of_a_period, fleets.plan(prepared, count))
+        yield f"fleet of {count}", "µs per vehicle-period", lambda f=flown: 1e6 * f()
     for boxes in (True, False):
         mission = field(folder, boxes)
         label = f"lanes between {'100 boxes' if boxes else 'no boxes'}"

@@ -110,7 +110,7 @@ class Recorder:
         for vehicle, file in telemetry_files(header.missions).items():
             path = self.folder / file
             with writing(path):
-                path.parent.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
             self._telemetry[vehicle] = AppendedFile(path)
             self._telemetry[vehicle].append([COLUMNS])
             self._rows[vehicle] = []

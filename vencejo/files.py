@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
+from errno import ELOOP
 from pathlib import Path, PurePath
 
 from vencejo.errors import Correction, UserError, certain, nearest, reason_of
@@ -22,6 +23,8 @@ def file_inside(folder: Path, word: Scalar, what: str) -> Path:
     try:
         path, around = (folder / word.text).resolve(), folder.resolve()
         path.is_file()
+        if path.is_symlink():  # of links in a circle CPython 3.13 resolves none
+            raise OSError(ELOOP, os.strerror(ELOOP))
     except FileNotFoundError as error:
         # Not the file, which need not be there: without a working directory no path is known.
         message = f"'{word.text}' cannot be found: {reason_of(error)}"

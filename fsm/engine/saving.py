@@ -35,6 +35,8 @@ FORMAT = "vencejo.saved"
 VERSION = 2
 """The version of the form of saved runs; it goes up when earlier saves cannot be read any more."""
 
+_DEEPEST = 800
+"""Levels of lists and maps in a save, at most: no interpreter's own limit is lower."""
 TORN = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
 """The exceptions raised by reading a save that is damaged."""
 
@@ -295,6 +297,20 @@ def _sync_folder(folder: Path) -> None:
         os.close(handle)
 
 
+def _is_deeper(value: object, levels: int) -> bool:
+    """Whether lists and maps are nested in a value by more levels than that."""
+    inside = [value]
+    while inside and levels >= 0:
+        inside = [
+            part
+            for each in inside
+            if isinstance(each, (list, dict))
+            for part in (each.values() if isinstance(each, dict) else each)
+        ]
+        levels -= 1
+    return bool(inside)
+
+
 def read_saved(path: Path) -> Saved:
     """Read what :func:`write_saved` wrote. Raises UserError when it is not there or not whole."""
     place = Where(str(path))
@@ -307,7 +323,7 @@ def read_saved(path: Path) -> Saved:
         raise UserError("unreadable", f"cannot read '{path}': {reason}", place) from None
     except (ValueError, RecursionError):
         saved = None
-    if not isinstance(saved, dict):
+    if not isinstance(saved, dict) or _is_deeper(saved, _DEEPEST):
         raise UserError(
             "torn-save",
             "this is no whole saved mission",

@@ -33,6 +33,7 @@ class Dynamics:
         self, name: str, physics: Physics, model: Model, effects: Effects, start: StartPose
     ) -> None:
         self._model, self.effects = model, effects
+        self.rotors = model.rotors
         self.body = physics.add_body(
             model.mass,
             model.inertia,
@@ -87,6 +88,11 @@ class Dynamics:
         if not motors_run:
             self._drive.stop()
             self.controller.forget()
+
+    @property
+    def thrust(self) -> float:
+        """Mean thrust of all rotors in the last mission period, newtons."""
+        return self._thrust_sum / STEPS_PER_PERIOD
 
     def set_air(self, *, voltage: float, height: float, touched: bool) -> None:
         """Set what the thrust of this mission period depends on.
@@ -145,7 +151,7 @@ class Dynamics:
 
     def power(self, armed: bool) -> float:
         """Electrical power in this mission period, watts."""
-        rotors, thrust = self._model.rotors, self._thrust_sum / STEPS_PER_PERIOD
+        rotors, thrust = self.rotors, self.thrust
         standby = self._model.battery.standby
         if not self.effects.power:
             return standby + rotor_power(rotors, thrust)

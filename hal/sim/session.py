@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 from hal.scene.appearance import quadrotor
 from hal.scene.lamps import lamp_things
+from hal.sim.air import Air
 from hal.sim.battery import Battery
 from hal.sim.contact_tracker import ContactTracker
 from hal.sim.dynamics import STEPS_PER_PERIOD, Dynamics
@@ -20,14 +21,16 @@ from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.camera_spec import read_cameras
 from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.sensors.rangefinder import SimRangefinder
-from hal.sim.settings import plain_settings, read_settings
+from hal.sim.settings import Settings, plain_settings, read_settings
 from hal.sim.starts import start_poses
 from hal.sim.vehicle import SimVehicle
+from hal.sim.weather import Weather
 from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
 from worlds.terrain import height_at
+from worlds.wind import read_wind
 from worlds.world import World
 
 
@@ -38,6 +41,17 @@ def find_near(vehicles: Sequence[SimVehicle]) -> None:
     for one, other in combinations(vehicles, 2):
         if one.dynamics.can_meet(other.dynamics):
             one.others_near = other.others_near = True
+
+
+def _air_of(
+    world: World, settings: Settings, vehicles: Sequence[SimVehicle], seed: int
+) -> Air | None:
+    """The air about some vehicles; None where nothing moves it."""
+    wind = world.wind if settings.wind is None else read_wind(settings.wind, "wind")
+    blown_down = settings.physics.downwash and len(vehicles) > 1
+    if wind is None and not blown_down:
+        return None
+    return Air(Weather(wind, seed) if wind else None, vehicles, downwash=blown_down)
 
 
 class SimSession:
@@ -75,6 +89,8 @@ class SimSession:
                 contacts=ContactTracker(physics, dynamics.body, model, obstacles),
             )
             self._all.append(vehicle)
+        self._air = _air_of(world, settings, self._all, options.seed)
+        """None where it is still."""
         self._senses: list[Callable[[], None]] = []
         """The calls of the sensors after each physics step."""
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
@@ -134,6 +150,8 @@ class SimSession:
         vehicles = self._all
         if len(vehicles) > 1:
             find_near(vehicles)
+        if self._air is not None:
+            self._air.begin_period(self._count / PERIODS_PER_SECOND)
         for vehicle in vehicles:
             vehicle.plan()
         free = all(vehicle.dynamics.free for vehicle in vehicles)

@@ -179,6 +179,10 @@ HOME = Point(-2, 0, 0)
         ("any", "$vehicle.position", HOME),
         ("list", "[[1, 2], $vehicle.position]", [[1, 2], HOME]),
         ("area", "[[0, 0], [4, 4]]", [HOME, Point(2, 4, 0)]),
+        ("[point]", "[[0, 0], [4, 4]]", [HOME, Point(2, 4, 0)]),
+        ("[[point]]", "[[[0, 0]], [[4, 4]]]", [[HOME], [Point(2, 4, 0)]]),
+        ("[number]", "[1, 2]", [1, 2]),
+        ("map", "{here: $vehicle.position, count: 3}", {"here": HOME, "count": 3}),
         ("route", "[[1, 1], {at: [2, 2], dwell: 3}]", [[-1, 1, 0], {"at": [0, 2, 0], "dwell": 3}]),
         ("heading", "travel", "travel"),
         ("text", "home", "home"),
@@ -302,6 +306,31 @@ def test_asked_to_stop_all_land(write: Write, tmp_path: Path) -> None:
     assert summary.mission_time < 7
 
 
+RAISES = """\
+from behaviors import Behavior
+
+
+class Breaks(Behavior):
+    outcomes = {"done": None}
+    controls = ("motion",)
+
+    def step(self, flight):
+        if flight.now > 3.0:
+            raise ValueError("a screw is loose")
+"""
+
+
+def test_a_defect_in_the_code_of_one_is_its_own(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(RAISES)
+    broken = "uses: [mine.py]\n" + WAIT.replace("do: hover", "do: breaks, on: {done: down}")
+    texts = {"cat": broken.replace("mission: wait\n", ""), "mouse": WAIT}
+    flight = fly_fleet(write(two(**texts), **texts))
+    cat, mouse = flight.summary.vehicles["cat"], flight.summary.vehicles["mouse"]
+    assert cat.outcome == "failed" and "a screw is loose" in cat.reason
+    assert flight.vehicles["cat"].end.z == pytest.approx(0.0, abs=0.01)
+    assert (mouse.outcome, mouse.reason) == ("given_up", "")
+
+
 # -- what one more changes, and how near they come ------------------------------------------------
 
 
@@ -353,6 +382,10 @@ def test_the_least_distances_are_those_of_all_periods(
 # -- what is wrong with a fleet ------------------------------------------------------------------
 
 
+AT_9 = "start: {at: [9, 0]}"
+NEAR = f"a: {{mission: h.yaml, {AT_9}}}, b: {{{AT_9.replace('0]', '0.6]')}}}"
+
+
 @pytest.mark.parametrize(
     ("vehicles", "code", "severity"),
     [
@@ -360,7 +393,7 @@ def test_the_least_distances_are_those_of_all_periods(
         ("cat: {mission: h.yaml, start: {at: [0, 0, -1]}}", "start-in-ground", "error"),
         ("cat: {mission: h.yaml, start: {at: [0, 0], headng: 0}}", "unknown-key", "error"),
         ("cat: {mission: h.yaml, start: [0, 0]}", "wrong-type", "error"),
-        ("cat: {mission: h.yaml}, dog: {start: {at: [0, 0.6]}}", "starts-overlap", "warning"),
+        (NEAR, "starts-overlap", "warning"),
         ("cat: {}", "no-mission", "error"),
         ("cat: {with: {height: 3}}", "missing-key", "error"),
         ("time: {mission: h.yaml}", "name-taken", "error"),

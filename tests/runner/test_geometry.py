@@ -12,8 +12,10 @@ import pytest
 from behaviors import drone_vocabulary, load_all
 from fsm import compile_mission, read_mission_text
 from hal import Limits, flight_model
-from runner import missions, prepare
+from runner import missions, prepare, prepare_fleet
+from runner.fleets import check_ways
 from runner.geometry import Findings, Terms, check_geometry
+from tests.missions.shipped import FLEETS, MISSIONS
 from vencejo.errors import Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
@@ -369,11 +371,17 @@ def test_a_plan_that_is_wrong_is_told_and_what_it_flies_unknown(
     assert findings.unknown[0] == "go"
 
 
-@pytest.mark.parametrize("name", sorted(set(missions.names()) - {"fleet_dance", "handover"}))
+@pytest.mark.parametrize("name", MISSIONS)
 def test_nothing_is_told_of_the_shipped_missions(name: str) -> None:
     prepared = prepare(missions.find(name))
     findings = check_geometry(prepared.graph, prepared.world, SIM)
     assert findings == Findings((), (), (), True)
+
+
+@pytest.mark.parametrize("name", FLEETS)
+def test_nothing_is_told_of_the_shipped_fleets(name: str) -> None:
+    fleet = prepare_fleet(missions.find(name))
+    assert check_ways(fleet.assignments, SIM).faults == ()
 
 
 REGION = (
