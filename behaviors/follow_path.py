@@ -11,7 +11,7 @@ from behaviors.behavior import Behavior
 from behaviors.curves import circle, lemniscate
 from behaviors.flight import Flight
 from behaviors.guidance import ACCELERATION, RAMP
-from behaviors.pace import Agility, Pace, even, paced, slowed
+from behaviors.pace import Agility, Pace, bend_speed, even, paced, slowed
 from behaviors.params import BehaviorParams, Heading, Route, live, param, value
 from behaviors.path import SAME, Path, repeated, spline, turns_back
 from behaviors.path_flight import PathFlight, planned_along
@@ -174,8 +174,8 @@ def _through_points(params: Any, agility: Agility) -> _Course:
     if params.closed:
         path = repeated(path, params.laps)
     pace = paced(path, [params.speed] * (len(path.ways) - 1), agility)
-    bends = [(agility.acceleration / bend) ** 0.5 for bend in path.bends() if bend > SAME]
-    return _Course(path, pace, 0.0, min([params.speed, *bends]))
+    slowest = min(bend_speed(bend, agility) for bend in path.bends())
+    return _Course(path, pace, 0.0, min(params.speed, slowest))
 
 
 def _apart(places: Sequence[Point]) -> list[Point]:
