@@ -137,7 +137,7 @@ def loading(folder: Path) -> dict[str, float]:
         between = perf_counter()
         physics = Bullet()
         physics.add_things(world.things, world.ground.terrain)
-        ObstacleHeightGrid(world.things, world.ground.terrain)
+        ObstacleHeightGrid(world.things, world.ground.terrain, 0.4)
         building.append(perf_counter() - between)
         reading.append(between - begin)
         physics.close()

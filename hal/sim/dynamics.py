@@ -65,7 +65,7 @@ class Dynamics:
         """The thrust in this mission period over that far from the ground."""
         self._thrust_sum = 0.0
         """Sum of the thrust over the steps of the period, newtons."""
-        self._reach = hypot(*model.size) / 2 + _NEAR
+        self._reach = model.reach + _NEAR
         """Distance from its centre at which another vehicle is near, metres."""
 
     def can_meet(self, other: Dynamics) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, pi, sqrt
+from math import cos, hypot, pi, sqrt
 
 from hal.limits import Limits
 from hal.sim.physics import GRAVITY
@@ -131,6 +131,11 @@ class Model:
     def height(self) -> float:
         """Height of the centre of mass above the skids, metres."""
         return self.size[2] / 2
+
+    @property
+    def reach(self) -> float:
+        """How far it reaches from its centre of mass, metres."""
+        return hypot(*self.size) / 2
 
     @property
     def weight(self) -> float:

@@ -15,44 +15,54 @@ from worlds.things import Terrain, Thing
 
 _CELL = 2.0
 """Side of a cell, metres."""
-_MARGIN = 0.6
-"""Half of a vehicle's width plus its way in one mission period, metres."""
+_WAY = 0.15
+"""Most by which a vehicle leaves the straight way of a mission period, and engines tell of a
+contact before it is one, metres."""
 _LARGEST = 200.0
 """Length above which an obstacle counts in every cell, metres."""
 
 
 class ObstacleHeightGrid:
-    """The height of the highest obstacle in each cell, with a margin for the vehicle.
+    """The obstacles in each cell over the ground, with a margin for the vehicle.
 
     World frame, metres. Moving things count along their whole path.
     """
 
-    def __init__(self, things: Iterable[Thing], terrain: Terrain | None) -> None:
+    def __init__(self, things: Iterable[Thing], terrain: Terrain | None, reach: float) -> None:
+        """``reach``: how far a vehicle reaches from its centre, metres."""
         self._terrain = terrain
-        self._highest = _MARGIN + (max(map(max, terrain.heights)) if terrain else 0.0)
+        self._margin = margin = reach + _WAY
+        self._highest = margin + (max(map(max, terrain.heights)) if terrain else 0.0)
         """Height above which no vehicle touches the ground, metres."""
         self._ground: dict[tuple[int, int], float] = {}
         """The same in the cells that have been asked for."""
         self._everywhere = -inf
-        self._tops: dict[tuple[int, int], float] = {}
+        """Height of the highest obstacle that counts in every cell."""
+        self._cells: dict[tuple[int, int], list[_Obstacle]] = {}
         for thing in things:
-            for obstacle in _obstacles(thing):
+            for obstacle in _obstacles(thing, margin):
                 self._add(obstacle)
 
     def _add(self, obstacle: _Obstacle) -> None:
         low_x, low_y, high_x, high_y, top = obstacle
         if max(high_x - low_x, high_y - low_y) > _LARGEST:
             self._everywhere = max(self._everywhere, top)
-            self._tops = {cell: max(top, high) for cell, high in self._tops.items()}
             return
         columns = range(int(low_x // _CELL), int(high_x // _CELL) + 1)
         rows = range(int(low_y // _CELL), int(high_y // _CELL) + 1)
         for cell in product(columns, rows):
-            self._tops[cell] = max(top, self._tops.get(cell, self._everywhere))
+            self._cells.setdefault(cell, []).append(obstacle)
 
     def thing_near(self, x: float, y: float, z: float) -> bool:
         """Whether a vehicle at a place can touch a thing in this mission period."""
-        return z < self._tops.get((int(x // _CELL), int(y // _CELL)), self._everywhere)
+        if z < self._everywhere:
+            return True
+        for low_x, low_y, high_x, high_y, top in self._cells.get(
+            (int(x // _CELL), int(y // _CELL)), ()
+        ):
+            if low_x < x < high_x and low_y < y < high_y and z < top:
+                return True
+        return False
 
     def ground_near(self, x: float, y: float, z: float) -> bool:
         """Whether a vehicle at a place can touch the ground in this mission period."""
@@ -64,8 +74,8 @@ class ObstacleHeightGrid:
         top = self._ground.get(cell)
         if top is None:
             middle = Point((cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL, 0.0)
-            side = _CELL + 2 * _MARGIN
-            top = _MARGIN + highest_under(self._terrain, middle, 0.0, (side, side, 0.0))
+            side = _CELL + 2 * self._margin
+            top = self._margin + highest_under(self._terrain, middle, 0.0, (side, side, 0.0))
             self._ground[cell] = top
         return z < top
 
@@ -80,9 +90,9 @@ class _Obstacle(NamedTuple):
     top: float
 
 
-def _obstacles(thing: Thing) -> Iterator[_Obstacle]:
+def _obstacles(thing: Thing, margin: float) -> Iterator[_Obstacle]:
     """The obstacle of each solid part of a thing, with a margin for the vehicle."""
-    origin, margin = Point(0.0, 0.0, 0.0), _MARGIN
+    origin = Point(0.0, 0.0, 0.0)
     for part in solid_parts(thing):
         if thing.motion is None:
             pose = part_pose(part, thing.at, thing.attitude)

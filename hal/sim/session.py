@@ -63,7 +63,9 @@ class SimSession:
         models = [load_model(spec.model or world.model or DEFAULT) for spec in options.vehicles]
         starts = start_poses(world, options.vehicles, [model.size for model in models])
         physics.add_things(world.things, world.ground.terrain)
-        obstacles = ObstacleHeightGrid(world.things, world.ground.terrain)
+        obstacles = ObstacleHeightGrid(
+            world.things, world.ground.terrain, max(model.reach for model in models)
+        )
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
         alone = len(options.vehicles) == 1
         self._has_movers = any(thing.motion is not None for thing in world.things)

@@ -309,7 +309,7 @@ def test_obstacle_heights_miss_nothing_that_can_be_touched() -> None:
         for k in range(60)
     )
     solid = things(text)
-    obstacles = ObstacleHeightGrid(solid, None)
+    obstacles = ObstacleHeightGrid(solid, None, 0.45)
     free = 0
     for _ in range(800):
         place = Point(random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(0, 7))
@@ -323,7 +323,7 @@ def test_obstacle_heights_miss_nothing_that_can_be_touched() -> None:
 
 
 def test_obstacle_heights_follow_what_moves() -> None:
-    obstacles = ObstacleHeightGrid([pad(1.0)], None)
+    obstacles = ObstacleHeightGrid([pad(1.0)], None, 0.45)
     assert obstacles.thing_near(6, 3, 2.4) and obstacles.thing_near(0, 0, 1.5)
     assert not obstacles.thing_near(6, 3, 3.0) and not obstacles.thing_near(30, 3, 1.0)
 
@@ -332,15 +332,15 @@ def test_what_is_very_long_counts_everywhere() -> None:
     wall = things("walls: {w: {through: [[0, 0], [900, 0]], height: 3}}")
     hut = things("boxes: {b: {at: [5, 5], size: [1, 1, 1]}}")
     for order in ((*wall, *hut), (*hut, *wall)):
-        obstacles = ObstacleHeightGrid(order, None)
+        obstacles = ObstacleHeightGrid(order, None, 0.45)
         assert obstacles.thing_near(5, 5, 3.5) and obstacles.thing_near(-700, 3, 3.5)
         assert not obstacles.thing_near(5, 5, 3.7)
 
 
 def test_the_ground_ends_above_what_it_is_below() -> None:
-    flat = ObstacleHeightGrid([], None)
+    flat = ObstacleHeightGrid([], None, 0.45)
     assert flat.ground_near(3, 3, 0.59) and not flat.ground_near(3, 3, 0.61)
-    hill = ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 40.0))
+    hill = ObstacleHeightGrid([], Terrain(((0.0, 0, 0), (0, 4, 0), (0, 0, 0)), 40.0), 0.45)
     assert hill.ground_near(0, 0, 4.5) and not hill.ground_near(0, 0, 4.61)
     assert hill.ground_near(-19, 0, 0.7) and not hill.ground_near(-19, 0, 2.0)
 
