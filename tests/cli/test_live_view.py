@@ -278,7 +278,7 @@ def test_several_vehicles_have_a_row_each_and_are_on_the_map(columns: int, rows:
             assert re.match(rf"{name}  ▶ (square|….*)\.north [0-9.]+ s", row)
             figures = re.search(r"2\.0 m  [01]\.\d m/s  99%", row)
             assert (figures is not None) == (columns not in (40, 80)), "there is room for them"
-        assert " 0:05.3  mouse → square.north (done)" in screen
+        assert " 0:05.7  mouse → square.north (done)" in screen
         if rows > 20:
             map_ = terminal.lines[terminal.row_of("north up") :]
             assert "\n".join(map_).count("H") == 2
