@@ -11,14 +11,13 @@ from behaviors.behavior import Behavior
 from behaviors.curves import circle, lemniscate
 from behaviors.flight import Flight
 from behaviors.guidance import ACCELERATION, RAMP
-from behaviors.pace import Agility, Pace, even, paced, slowed
+from behaviors.pace import Agility, Pace, bend_speed, even, paced, slowed
 from behaviors.params import BehaviorParams, Heading, Route, live, param, value
 from behaviors.path import SAME, Path, repeated, spline, turns_back
 from behaviors.path_flight import PathFlight, planned_along
 from behaviors.path_follower import PathFollower
-from behaviors.plan import Legs, PlanStart, leg_to
+from behaviors.plan import Legs, PlanStart, Slower, leg_to
 from fsm.host import Outcome
-from hal.limits import Limits
 from vencejo.geometry import Point, distance
 
 _ALIKE = 0.99
@@ -46,16 +45,6 @@ class Lap:
     """Its number, from 1."""
 
 
-@dataclass(frozen=True, slots=True)
-class Slower:
-    """A path that needs more tilt, climb or speed than the vehicle has."""
-
-    asked: float = value("m/s")
-    speed: float = value("m/s")
-    """The speed at which it is flown: of a circle or figure eight the highest one, of a line
-    through points the lowest, in its sharpest bend."""
-
-
 @dataclass(frozen=True)
 class _Course:
     """A path with its pace, as the vehicle can fly it."""
@@ -66,6 +55,10 @@ class _Course:
     """See PathFollower."""
     speed: float
     """See Slower."""
+
+    def slower_than(self, asked: float) -> Slower | None:
+        """What is told if it is slower than asked for, m/s; else None."""
+        return Slower(asked, self.speed) if self.speed < _ALIKE * asked else None
 
 
 class FollowPath(Behavior):
@@ -103,11 +96,11 @@ class FollowPath(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        course = _course(params, start.position, Agility.of(Limits()))
+        course = _course(params, start.position, Agility.of(start.limits))
         path, speed = course.path, params.speed
         legs = [leg_to(start, start.position, path.places[0], speed, params.heading)]
         laps = params.laps if _is_closed(params) else 1
-        return [*legs, *planned_along(path, course.pace, laps)]
+        return [*legs, *planned_along(path, course.pace, laps, course.slower_than(speed))]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, progress = self.params, progress or {}
@@ -120,8 +113,9 @@ class FollowPath(Behavior):
         course = _course(params, self.origin, self.agility)
         follower = PathFollower(course.path, course.pace, course.ramp)
         self.way = PathFlight(flight, follower, params.speed, progress.get("way"))
-        if not progress and course.speed < _ALIKE * params.speed:
-            flight.raise_event("path.slower", Slower(params.speed, course.speed))
+        slower = course.slower_than(params.speed)
+        if slower is not None and not progress:
+            flight.raise_event("path.slower", slower)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         way = self.way
@@ -180,8 +174,8 @@ def _through_points(params: Any, agility: Agility) -> _Course:
     if params.closed:
         path = repeated(path, params.laps)
     pace = paced(path, [params.speed] * (len(path.ways) - 1), agility)
-    bends = [(agility.acceleration / bend) ** 0.5 for bend in path.bends() if bend > SAME]
-    return _Course(path, pace, 0.0, min([params.speed, *bends]))
+    slowest = min(bend_speed(bend, agility) for bend in path.bends())
+    return _Course(path, pace, 0.0, min(params.speed, slowest))
 
 
 def _apart(places: Sequence[Point]) -> list[Point]:

@@ -104,12 +104,17 @@ class Reference:
         self.position = self._next
         self._move_carrot(target, speed, vehicle, dt)
         x, y, z = self._carrot
-        averages = self._x, self._y, self._z
-        self._next = Point(averages[0].push(x), averages[1].push(y), averages[2].push(z))
-        elapsed = SMOOTHING * self._periods.push(dt)
-        velocity = Point(*(average.change / elapsed for average in averages))
-        self.acceleration = _times(velocity.minus(self.velocity), 1 / dt)
-        self.velocity = velocity
+        along_x, along_y, along_z = self._x, self._y, self._z
+        self._next = Point(along_x.push(x), along_y.push(y), along_z.push(z))
+        per_second = 1 / (SMOOTHING * self._periods.push(dt))
+        vx, vy, vz = self.velocity
+        ux, uy, uz = (
+            along_x.change * per_second,
+            along_y.change * per_second,
+            along_z.change * per_second,
+        )
+        self.acceleration = Point((ux - vx) / dt, (uy - vy) / dt, (uz - vz) / dt)
+        self.velocity = Point(ux, uy, uz)
 
     def _move_carrot(self, target: Point, speed: float, vehicle: Observation, dt: float) -> None:
         x, y, z = self._carrot

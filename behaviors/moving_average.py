@@ -21,11 +21,11 @@ class MovingAverage:
     def push(self, value: float) -> float:
         """Take the next value, drop the oldest, and return the new mean."""
         values = self._values
-        self.change = value - values.popleft()
+        self.change = change = value - values.popleft()
         values.append(value)
-        self._sum += self.change
-        self.mean = self._sum / len(values)
-        return self.mean
+        self._sum = total = self._sum + change
+        self.mean = mean = total / len(values)
+        return mean
 
     def progress(self) -> list[float]:
         """Its state, as JSON: the sum of the values, as it was rounded, and the values."""

@@ -18,7 +18,6 @@ from behaviors.path_flight import PathFlight, planned_along
 from behaviors.path_follower import PathFollower
 from behaviors.plan import Legs, PlanStart
 from fsm.host import Outcome
-from hal.limits import Limits
 from vencejo.geometry import Point
 
 
@@ -70,7 +69,7 @@ class Orbit(Behavior):
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
         path, _ = _course(params, start.position)
         asked = [params.speed] * (len(path.ways) - 1)
-        return planned_along(path, paced(path, asked, Agility.of(Limits())))
+        return planned_along(path, paced(path, asked, Agility.of(start.limits)))
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, progress = self.params, progress or {}

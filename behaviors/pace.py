@@ -22,6 +22,8 @@ from vencejo.geometry import Point, distance
 
 TURN_RATE = 4.0
 """Largest rate at which the direction of flight turns, rad/s; faster, smoothing cuts the bend."""
+CORNERING = 5.0
+"""Largest acceleration in a bend, m/s²: with more, a vehicle comes out of it too fast."""
 _GRAVITY = 9.81
 _SHARE = 0.75
 """Share of the largest tilt that a path may need; the rest is for wind, drag and errors."""
@@ -121,6 +123,13 @@ def slowed(path: Path, pace: Pace, agility: Agility) -> Pace:
     return Pace([t * factor for t in pace.times], pace.ways, [v / factor for v in pace.speeds])
 
 
+def bend_speed(bend: float, agility: Agility) -> float:
+    """The speed at which a bend of a curvature, 1/m, is flown, m/s: infinite where it is none."""
+    if bend <= _SLOW:
+        return inf
+    return min(sqrt(min(CORNERING, agility.acceleration) / bend), TURN_RATE / bend)
+
+
 def paced(path: Path, asked: Sequence[float], agility: Agility) -> Pace:
     """The fastest pace of a path, from rest to rest.
 
@@ -130,7 +139,7 @@ def paced(path: Path, asked: Sequence[float], agility: Agility) -> Pace:
     most = [
         min(
             speed,
-            min(sqrt(agility.acceleration / bend), TURN_RATE / bend) if bend > _SLOW else inf,
+            bend_speed(bend, agility),
             agility.most(path.directions[k]),
             agility.most(path.directions[k + 1]),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from behaviors.arrival import PATIENCE, Arrival
@@ -14,7 +15,7 @@ from behaviors.pace import Pace
 from behaviors.params import Heading
 from behaviors.path import Path
 from behaviors.path_follower import PathFollower
-from behaviors.plan import PlannedLeg
+from behaviors.plan import PlannedLeg, Slower
 from fsm.host import Outcome
 from hal.vehicle import Position
 from vencejo.geometry import distance
@@ -124,7 +125,9 @@ class PathFlight:
         }
 
 
-def planned_along(path: Path, pace: Pace, laps: int = 1) -> list[PlannedLeg]:
+def planned_along(
+    path: Path, pace: Pace, laps: int = 1, slower: Slower | None = None
+) -> list[PlannedLeg]:
     """The straight legs that stand for a path in a plan: those of its first lap.
 
     Its other laps lead along the same places, and are the stay at the end.
@@ -132,5 +135,5 @@ def planned_along(path: Path, pace: Pace, laps: int = 1) -> list[PlannedLeg]:
     end = (len(path.places) - 1) // laps
     numbers = [*range(0, end, _CHORD), end]
     speed = path.length / pace.duration
-    *legs, last = (PlannedLeg(path.places[number], speed) for number in numbers[1:])
-    return [*legs, PlannedLeg(last.to, speed, pace.duration * (laps - 1) / laps)]
+    *legs, last = (PlannedLeg(path.places[number], speed, slower=slower) for number in numbers[1:])
+    return [*legs, replace(last, dwell=pace.duration * (laps - 1) / laps)]

@@ -17,7 +17,6 @@ from behaviors.path_flight import PathFlight, planned_along
 from behaviors.path_follower import PathFollower
 from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
-from hal.limits import Limits
 from vencejo.geometry import Point, horizontal_distance
 
 
@@ -58,7 +57,7 @@ class SearchSpiral(Behavior):
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
         path = _path(params, start.position)
-        pace = paced(path, [params.speed] * (len(path.ways) - 1), Agility.of(Limits()))
+        pace = paced(path, [params.speed] * (len(path.ways) - 1), Agility.of(start.limits))
         begin = leg_to(start, start.position, path.places[0], params.speed, params.heading)
         return [begin, *planned_along(path, pace)]
 

@@ -6,24 +6,24 @@
   distance of the vehicle from where it is to be at that time, and from the path (the nearest place
   of it), from the moment on at which it is at speed until it slows down at the end.
 
-    python -m bench.paths [--tilt DEGREES] [--json]
+    python -m bench.paths [--model NAME] [--physics SETTING] [--tilt DEGREES] [--json]
 
-``--tilt`` is the largest tilt, in place of the vehicle's own.
+``--tilt`` is the largest tilt, in place of the model's own; ``--physics`` as in ``drone-cli run``.
 """
 
 from __future__ import annotations
 
 import json
-import sys
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import cos, pi, radians, sin
 from typing import Any
 
 from behaviors import MissionFrame, Pilot, drone_vocabulary
 from bench.machine import machine
 from fsm import compile_mission, read_mission_text
-from hal import Limits, Observation, Options, Position, open_backend
+from hal import Limits, Observation, Options, Position, VehicleSpec, open_backend
 from vencejo.geometry import Point, distance
 
 SPEEDS = (0.5, 1.0, 2.0, 3.0, 5.0)
@@ -54,15 +54,27 @@ class Moment:
     """Where it was to be in this period, mission frame."""
 
 
-def flown(behavior: str, values: dict[str, Any], tilt: float | None) -> Iterator[Moment]:
+@dataclass(frozen=True)
+class Craft:
+    """What is flown."""
+
+    model: str | None = None
+    """None for the default one."""
+    physics: str = "real"
+    tilt: float | None = None
+    """The largest tilt, degrees; None for the model's own."""
+
+
+def flown(behavior: str, values: dict[str, Any], craft: Craft) -> Iterator[Moment]:
     """The periods in which a behaviour flies."""
     text = MISSION.format(height=HEIGHT, behavior=behavior, values=json.dumps(values))
     graph = compile_mission(read_mission_text(text, "one_path.yaml"), drone_vocabulary())
-    with open_backend("sim", Options()) as session:
+    options = Options((VehicleSpec("drone", craft.model),), settings={"physics": craft.physics})
+    with open_backend("sim", options) as session:
         (vehicle,) = session.vehicles.values()
         session.wait()
-        if tilt is not None:
-            vehicle.configure(Limits(max_tilt=radians(tilt)))
+        if craft.tilt is not None:
+            vehicle.configure(Limits(max_tilt=radians(craft.tilt)))
         frame = MissionFrame.at_start(vehicle.observe(), session.places, session.geographic)
         pilot = Pilot(graph, vehicle, frame=frame)
         while pilot.outcome is None:
@@ -77,10 +89,10 @@ def flown(behavior: str, values: dict[str, Any], tilt: float | None) -> Iterator
             raise RuntimeError(f"{behavior} ended in {pilot.outcome}: {pilot.reason}")
 
 
-def over_speed(behavior: str, values: dict[str, Any], tilt: float | None) -> dict[str, float]:
+def over_speed(behavior: str, values: dict[str, Any], craft: Craft) -> dict[str, float]:
     """How fast a behaviour is, beside its speed."""
     asked = values["speed"]
-    speeds = [moment.seen.velocity.norm() for moment in flown(behavior, values, tilt)]
+    speeds = [moment.seen.velocity.norm() for moment in flown(behavior, values, craft)]
     middle = speeds[len(speeds) // 4 : -len(speeds) // 4]
     return {
         "over_percent": round(100 * (max(speeds) / asked - 1), 2),
@@ -105,13 +117,13 @@ def ring(speed: float) -> list[list[float]]:
     return [[r * sin(a), r * (1 - cos(a)), HEIGHT] for a in angles]
 
 
-def figure_eight(peak: float, tilt: float | None) -> dict[str, float]:
+def figure_eight(peak: float, craft: Craft) -> dict[str, float]:
     """The errors of a figure eight at a peak speed, centimetres."""
     values = {
         "shape": "figure_eight", "center": [0, 0, HEIGHT], "length": 4, "width": 2,
         "speed": peak, "laps": LAPS, "heading": "keep",
     }  # fmt: skip
-    moments = list(flown("follow_path", values, tilt))
+    moments = list(flown("follow_path", values, craft))
     speeds = [(m.told.velocity or HERE).norm() for m in moments]
     # It rests for the last time at the begin of the path.
     begin = max(k for k, speed in enumerate(speeds[: len(speeds) // 2]) if speed < 1e-3)
@@ -130,7 +142,7 @@ def figure_eight(peak: float, tilt: float | None) -> dict[str, float]:
     }
 
 
-def measure(tilt: float | None = None) -> dict[str, Any]:
+def measure(craft: Craft) -> dict[str, Any]:
     """Fly everything; the figures by job and speed."""
     jobs = {
         "goto": lambda v: {"to": [side(v), 0, HEIGHT]},
@@ -139,26 +151,32 @@ def measure(tilt: float | None = None) -> dict[str, Any]:
     }
     speeds = {
         name: {
-            f"{speed:g}": over_speed(name.split(",")[0], {**given(speed), "speed": speed}, tilt)
+            f"{speed:g}": over_speed(name.split(",")[0], {**given(speed), "speed": speed}, craft)
             for speed in SPEEDS
         }
         for name, given in jobs.items()
     }
     return {
-        "tilt_deg": tilt,
+        "craft": asdict(craft),
         "over_speed": speeds,
-        "figure_eight": {f"{peak:g}": figure_eight(peak, tilt) for peak in PEAKS},
+        "figure_eight": {f"{peak:g}": figure_eight(peak, craft) for peak in PEAKS},
     }
 
 
 def main() -> None:
-    arguments = sys.argv[1:]
-    tilt = float(arguments[arguments.index("--tilt") + 1]) if "--tilt" in arguments else None
-    figures = measure(tilt)
-    if "--json" in arguments:
+    given = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    given.add_argument("--model")
+    given.add_argument("--physics", default="real")
+    given.add_argument("--tilt", type=float)
+    given.add_argument("--json", action="store_true")
+    arguments = given.parse_args()
+    craft = Craft(arguments.model, arguments.physics, arguments.tilt)
+    figures = measure(craft)
+    if arguments.json:
         print(json.dumps({"machine": machine(), **figures}, indent=2))
         return
     print(machine())
+    print(", ".join(f"{name} {value}" for name, value in asdict(craft).items() if value))
     print(f"{'over the speed asked for, %':34}" + "".join(f"{v:>9g} m/s" for v in SPEEDS))
     for name, row in figures["over_speed"].items():
         print(f"  {name:32}" + "".join(f"{each['over_percent']:>+13.1f}" for each in row.values()))

@@ -99,6 +99,7 @@ def check_geometry(
         1 + len(obstacles) // 50,
         terms.model,
         calls or Calls(),
+        terms.limits.over(terms.model.limits) if terms.model else terms.limits,
     )
     paths = possible_paths(graph, parameters or {}, setting)
     view = _View(world, obstacles, frame, terms, _may_refill(graph, world))
@@ -188,6 +189,7 @@ class _View:
             return
         self.near_things(leg, a, b)
         self.beyond_limits(leg)
+        self.slower_than_asked(leg)
         self.outside_fence(leg, a, b)
         self.beyond_battery(leg)
 
@@ -252,6 +254,16 @@ class _View:
         if low is not None and end < low - _SAME and leg.behavior.needs_flight:
             limit = f"{told}, below the limit of {low:g} m"
             self.warn("beyond-limits", leg, limit, "fly higher, or lower min_altitude")
+
+    def slower_than_asked(self, leg: PossibleLeg) -> None:
+        slower = leg.leg.slower
+        if slower is not None:
+            told = (
+                f"'{leg.behavior.name}' flies its path at {slower.speed:.2g} m/s, not at "
+                f"{slower.asked:g} m/s: its bends need more tilt, or it is beyond another limit"
+            )
+            hint = "ask for less speed, make its bends wider, or raise max_tilt"
+            self.warn("slower-than-asked", leg, told, hint)
 
     def outside_fence(self, leg: PossibleLeg, a: Point, b: Point) -> None:
         fence = self.world.fence

@@ -6,6 +6,7 @@ from functools import partial
 from math import dist, hypot, inf, sqrt
 
 from hal.flight_model import FlightModel
+from hal.limits import Limits
 from hal.sim.model import Model
 from vencejo.geometry import Point
 
@@ -19,7 +20,8 @@ SMOOTHING = 0.6
 
 def flight_model_of(model: Model) -> FlightModel:
     """What plans may ask of a model's flight."""
-    return FlightModel(partial(_leg_charge, model), RETURN_HEIGHT, model.profiles)
+    own = Limits(model.max_speed, model.max_climb, model.max_tilt, model.max_yaw_rate)
+    return FlightModel(partial(_leg_charge, model), RETURN_HEIGHT, model.profiles, own)
 
 
 def _leg_charge(model: Model, begin: Point, end: Point, speed: float | None, stay: float) -> float:

@@ -14,7 +14,7 @@ from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.dynamics import Dynamics
 from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.model import Model
-from hal.sim.noise import CommandNoise
+from hal.sim.noise import NO_NOISE, CommandNoise
 from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
@@ -34,10 +34,10 @@ from hal.vehicle import (
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of
 
 _ORIGIN = Point(0.0, 0.0, 0.0)
-CAPABILITIES = frozenset(
+_CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap", "terrain", "wind"}
+    | {"battery", "battery.swap", "terrain"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -53,6 +53,11 @@ _MAY_STAND = ("landed", "taking-off", "landing")
 """Modes in which it may touch what it can stand on; in the others that is a collision."""
 
 
+def capabilities_of(model: Model) -> frozenset[str]:
+    """The capabilities of a model's vehicles, without cameras and sensors."""
+    return _CAPABILITIES | {"wind"} if model.estimates_wind else _CAPABILITIES
+
+
 class SimVehicle(BaseVehicle):
     """One vehicle in the simulator (see :class:`hal.vehicle.Vehicle`).
 
@@ -60,8 +65,8 @@ class SimVehicle(BaseVehicle):
     when it stands on the ground.
     """
 
-    estimated_wind = _ORIGIN
-    """The wind that it observes, world frame, m/s."""
+    estimated_wind: Point | None = None
+    """The wind that it observes, world frame, m/s; None where its model estimates none."""
 
     def __init__(
         self,
@@ -96,7 +101,7 @@ class SimVehicle(BaseVehicle):
         self.dynamics = dynamics
         self._state = dynamics.state
         """At the end of the last mission period."""
-        self.capabilities = CAPABILITIES
+        self.capabilities = capabilities_of(model)
         self._switch = CameraSwitch({}, one_active=False)
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = dynamics.controller
@@ -142,11 +147,12 @@ class SimVehicle(BaseVehicle):
     # Observation.
 
     def fit(self, switch: CameraSwitch, sensors: Mapping[str, Sensor]) -> None:
-        """Mount cameras and sensors, by name."""
+        """Mount cameras and sensors, by name, and what estimates the wind."""
         self._switch, self.sensors = switch, sensors
         mounted = {f"camera.{name}" for name in switch.cameras}
         mounted |= {f"sensor.{name}" for name in sensors}
-        self.capabilities = CAPABILITIES | mounted
+        self.capabilities = capabilities_of(self._model) | mounted
+        self.estimated_wind = _ORIGIN if self._model.estimates_wind else None
 
     def _observed(self) -> Observation:
         (x, y, z), attitude, velocity, turning = self._state
@@ -509,7 +515,7 @@ class SimVehicle(BaseVehicle):
 
     def _update_mode(self) -> None:
         noise = self._noise.next()
-        self._controller.noise = (0.0, 0.0, 0.0) if self._contacts.supported else noise
+        self._controller.noise = NO_NOISE if self._contacts.supported else noise
         if self._battery.empty and self._armed:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":

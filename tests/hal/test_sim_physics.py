@@ -191,11 +191,11 @@ def test_without_pybullet_it_is_mujoco(absent: Callable[[str], None]) -> None:
 # A session.
 
 
-@pytest.mark.parametrize(("engine", "package"), [("bullet", "pybullet"), ("mujoco", "mujoco")])
-def test_the_engine_has_a_version(engine: str, package: str) -> None:
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_engine_has_a_version(engine: str) -> None:
     with open_session(Options(settings={"engine": engine})) as session:
         name, number = session.engine.split()
-        assert name == package and number[0].isdigit()
+        assert name == hal.engines.ENGINES[engine].package and number[0].isdigit()
         assert session.settings["engine"] == engine
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi, tan
 from pathlib import Path
 
 import pytest
@@ -55,3 +56,41 @@ def test_heights_above_ground_are_those_of_the_hill(tmp_path: Path) -> None:
     assert distance(top, (15, 0, 10)) < 0.15
     heights = [place.z for _, place in flight.track if distance(place, (15, 5, place.z)) < 0.1]
     assert max(heights) == pytest.approx(6.0, abs=0.2)
+
+
+SLOPE = """
+world: slope
+ground:
+  terrain:
+    size: 40 m
+    heights:
+      - [0, 0, 0, 0, 0, 0, 0, 0, 0]
+{rows}
+      - [0, 0, 0, 0, 0, 0, 0, 0, 0]
+start: {{at: [{x}, 0]}}
+"""
+UP = """
+mission: up
+world: slope.yaml
+states:
+  wait: {do: trim, on: {"*": stand}}
+  stand: {after: {2 s: takeoff}}
+  takeoff: {do: takeoff, with: {altitude: 2 m}, on: {done: high, failed: low}}
+  high: {type: final, output: {height: $vehicle.altitude}}
+  low: {type: final, outcome: low}
+"""
+
+
+@pytest.mark.parametrize("x", [-17.5, -19.9, -20.0, -20.1])
+def test_a_take_off_from_a_steep_slope_and_from_its_foot(x: float, tmp_path: Path) -> None:
+    """30°, more than it stands on; at the foot it begins on the slope, not in it."""
+    rise = 5 * tan(pi / 6)
+    row = [0.0, rise, 2 * rise, 3 * rise, 3 * rise, 3 * rise, 2 * rise, rise, 0.0]
+    rows = "\n".join(f"      - {row}" for _ in range(7))
+    (tmp_path / "slope.yaml").write_text(SLOPE.format(rows=rows, x=x))
+    path = tmp_path / "up.yaml"
+    path.write_text(UP)
+    flight = fly_mission(str(path))
+    assert flight.outcome == "done"
+    assert flight.output["height"] > 1.7
+    assert min(place.z for _, place in flight.track[:80]) > -0.2
