@@ -64,7 +64,8 @@ def test_events_functions_types_units_and_worlds_are_listed() -> None:
         assert all(f"`event.{field}`" in line for field in fields)
         assert VOCABULARY.is_urgent(event) == ("urgent" in line)
     for function in VOCABULARY.functions.values():
-        (line,) = [line for line in text.splitlines() if line.startswith(f"- `{function.name}`: ")]
+        begin = f"- `{function.name}`: {function.help}"
+        (line,) = [line for line in text.splitlines() if line.startswith(begin)]
         assert all(f"`{parameter}`" in line for parameter in function.parameters)
     for name in FUNCTIONS:
         assert f"`{name}(" in text
