@@ -22,6 +22,8 @@ from fsm.drawing.widths import text_width
 
 ROOT = Path(__file__).parents[1]
 IMAGE = ROOT / "docs" / "images" / "architecture.svg"
+_FEW = 6
+"""Columns of a row whose orders are all tried: those of eight would be forty thousand."""
 OPENED = ("fsm", "hal")
 """The packages whose parts are drawn too: the modules and packages in them."""
 LEGEND = (
@@ -162,12 +164,23 @@ def arrange(edges: Edges) -> Rows:
         tried = [
             [*rows[:row], list(order), *rows[row + 1 :]]
             for row in range(len(rows))
-            for order in permutations(rows[row])
+            for order in _orders(rows[row])
         ]
         best = min(tried, key=lambda rows: _cost(rows, ways))
         if _cost(best, ways) >= _cost(rows, ways):
             return rows
         rows = best
+
+
+def _orders(row: Sequence[Column]) -> Iterator[Sequence[Column]]:
+    """Orders to try for a row: all of a short one; of a long one, those with one column moved."""
+    if len(row) <= _FEW:
+        yield from permutations(row)
+        return
+    for one, column in enumerate(row):
+        others = [*row[:one], *row[one + 1 :]]
+        for place in range(len(row)):
+            yield [*others[:place], column, *others[place:]]
 
 
 def _height(edges: Edges, name: str) -> int:
