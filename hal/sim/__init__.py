@@ -21,7 +21,8 @@ def open_session(options: Options) -> Session:
     Settings: ``engine``, the name of a physics engine (see :mod:`hal.engines`), by default the
     first that is installed; ``noise``, a factor on the command noise (true for 1; default 0);
     ``physics``, the effects that are computed (see :mod:`hal.sim.effects`); ``wind``, a text that
-    takes the place of the world's (see :mod:`worlds.wind`); ``cameras`` (see :func:`hal.sim.sensors.camera_spec.read_cameras`); ``sensors`` (see
+    takes the place of the world's (see :mod:`worlds.wind`); ``cameras`` (see
+    :func:`hal.sim.sensors.camera_spec.read_cameras`); ``sensors`` (see
     :func:`hal.sim.sensors.rangefinder.read_rangefinders`); ``renderer``, the name of one (see
     :mod:`hal.renderers`); ``shadows``, true to render shadows.
     Raises UserError for a world or settings that are wrong, VehicleError without the engine.
