@@ -57,6 +57,8 @@ class Channel:
         self.on_frame: Callable[[str, Frame], None] = _ignore
         """Called with each camera frame that is read: the camera's name, and the frame with its
         pose in the world frame."""
+        self.on_photo: Callable[[str, str, Frame], None] = _ignore_photo
+        """Called with each frame that is kept under a name: that, the camera's, and the frame."""
         self.on_reading: Callable[[str, Reading], None] = _ignore
         """Called with each sensor reading that is read: the sensor's name, the reading."""
         self.jump: Jump | None = None
@@ -131,6 +133,10 @@ class _MissionSensor:
         if reading is not None:
             self._channel.on_reading(self._name, reading)
         return reading
+
+
+def _ignore_photo(name: str, camera: str, frame: Frame) -> None:
+    """Ignore a photo: nothing records it."""
 
 
 def _ignore(name: str, what: Frame | Reading) -> None:

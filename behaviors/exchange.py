@@ -10,7 +10,7 @@ from behaviors.channel import Channel
 from behaviors.pilot import Pilot
 from fsm.values.conversion import convert
 from fsm.values.functions import EvaluationError
-from fsm.values.types import AREA, HEADING, POINT, ROUTE, Type
+from fsm.values.types import HEADING, POINT, ROUTE, ListOf, Type
 from vencejo.geometry import Point
 
 
@@ -77,17 +77,18 @@ def carried(type_: Type | None, value: Any, move: Callable[[Any], Point]) -> Any
         return move(value)
     if type_ == HEADING:
         return {"face": move(value["face"])} if isinstance(value, dict) else value
-    if type_ in (AREA, ROUTE) and isinstance(value, (list, tuple)):
-        return [_waypoint(each, move) for each in value]
     if isinstance(value, (list, tuple)):
-        return [carried(None, each, move) for each in value]
+        if type_ == ROUTE:
+            return [_waypoint(each, move) for each in value]
+        item = type_.item if isinstance(type_, ListOf) else None
+        return [carried(item, each, move) for each in value]
     if isinstance(value, dict):
         return {name: carried(None, each, move) for name, each in value.items()}
     return value
 
 
 def _waypoint(value: Any, move: Callable[[Any], Point]) -> Any:
-    """A point of a route or an area, or ``{at: point, …}``."""
+    """A point of a route, or ``{at: point, …}``."""
     if not (isinstance(value, dict) and "at" in value):
         return move(value)
     heading = carried(HEADING, value["heading"], move) if "heading" in value else None

@@ -11,8 +11,9 @@ from behaviors.frame import MissionFrame
 from behaviors.setpoints import checked, number
 from fsm.values.intake import kind_of
 from hal.lights import Lights
+from hal.limits import Limits
 from hal.orders import Order
-from hal.vehicle import Camera, Observation, Sensor, Setpoint
+from hal.vehicle import Camera, Frame, Observation, Sensor, Setpoint
 
 
 class NotInControl(RuntimeError):
@@ -72,9 +73,18 @@ class Flight:
         """The vehicle's capabilities (see :attr:`hal.Vehicle.capabilities`)."""
         return self._channel.vehicle.capabilities
 
+    @property
+    def limits(self) -> Limits:
+        """The vehicle's limits as they hold (see :attr:`hal.Vehicle.limits`)."""
+        return self._channel.vehicle.limits
+
     def camera(self, name: str) -> Camera:
         """A camera whose frames carry mission-frame poses. Raises hal's Unavailable."""
         return self._channel.camera(name)
+
+    def keep_photo(self, name: str, camera: str, frame: Frame) -> None:
+        """Keep a frame of a camera under a name in the run folder, if there is one."""
+        self._channel.on_photo(name, camera, frame)
 
     def sensor(self, name: str) -> Sensor:
         """A sensor by name. Raises hal's Unavailable."""

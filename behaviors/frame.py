@@ -6,10 +6,11 @@ north, up). When the origin of the world frame jumps, the mission frame stays wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from behaviors.params import Face, Heading, Waypoint
+from fsm.values.conversion import ABOVE_GROUND
 from fsm.values.functions import EvaluationError, shown
 from fsm.values.types import AREA, HEADING, POINT, ROUTE, Type
 from hal.vehicle import Observation
@@ -18,6 +19,8 @@ from vencejo.geometry import Point, distance, enu_of, rotate_xy
 STANDS_ON_HOME = 0.05
 """A vehicle on the ground that is nearer to home than this stands on it, metres."""
 _ZERO = Point(0.0, 0.0, 0.0)
+GroundHeight = Callable[[float, float], float]
+"""The height of the ground at a place (x, y): metres."""
 
 
 class Pose(Protocol):
@@ -39,6 +42,7 @@ class MissionFrame:
         places: Mapping[str, Point] | None = None,
         geographic: tuple[float, float, float] | None = None,
         origin_shift: Point = _ZERO,
+        ground_height: GroundHeight | None = None,
     ) -> None:
         """``origin`` is in the present world frame, where what stood at the zero of the first one
         is at ``origin_shift`` now; ``places`` and ``geographic`` are those of the first one.
@@ -53,6 +57,9 @@ class MissionFrame:
         """Places of the world, world frame."""
         self.geographic = geographic
         """Latitude and longitude (degrees) and altitude of the world frame's first zero."""
+        self.ground_height = ground_height
+        """The height of the ground at a place of the world frame before any jump; None where it
+        is not known."""
 
     @classmethod
     def at_start(
@@ -60,6 +67,7 @@ class MissionFrame:
         seen: Observation,
         places: Mapping[str, Point] | None = None,
         geographic: tuple[float, float, float] | None = None,
+        ground_height: GroundHeight | None = None,
     ) -> MissionFrame:
         """The frame of a mission that begins with this observation (world frame).
 
@@ -68,7 +76,7 @@ class MissionFrame:
         """
         at_home = not seen.flying and distance(seen.position, seen.home) < STANDS_ON_HOME
         origin = seen.home if at_home else seen.position
-        return cls(origin, places, geographic, seen.origin_shift)
+        return cls(origin, places, geographic, seen.origin_shift, ground_height)
 
     def follow(self, origin_shift: Point) -> Point:
         """Follow a jump of the world frame, to where its first zero is now; by how much all that
@@ -91,8 +99,9 @@ class MissionFrame:
         """The mission-frame point of a value as missions write it.
 
         ``start`` is the pose when the behaviour began: a coordinate that is not given stays as it
-        was then. Raises EvaluationError for an unknown place, a value that is no point, or a
-        geographic point where the vehicle has no geographic position.
+        was then. Raises EvaluationError for an unknown place, a value that is no point, a
+        geographic point where the vehicle has no geographic position, or a height above ground
+        where that is not known.
         """
         here = start.position
         if isinstance(given, Point):
@@ -101,6 +110,14 @@ class MissionFrame:
             return self._place(given, here)
         if not isinstance(given, Mapping):
             raise EvaluationError(f"{shown(given)} is not a point")
+        if ABOVE_GROUND in given:
+            level = {key: value for key, value in given.items() if key != ABOVE_GROUND}
+            return self._above_ground(self._of_form(level, start), given[ABOVE_GROUND])
+        return self._of_form(given, start)
+
+    def _of_form(self, given: Mapping[str, Any], start: Pose) -> Point:
+        """The point of a map, by its keys."""
+        here = start.position
         if given.keys() & {"forward", "left", "up"}:
             east, north = rotate_xy(given.get("forward", 0.0), given.get("left", 0.0), start.yaw)
             return here.plus((east, north, given.get("up", 0.0)))
@@ -110,6 +127,14 @@ class MissionFrame:
             there = self.to_world(here).minus(self.origin_shift)
             return self._from_first_world(_completed(given, there))
         return _completed(given, here)
+
+    def _above_ground(self, place: Point, height: float) -> Point:
+        """The point straight above or below a place, at a height above the ground there."""
+        if self.ground_height is None:
+            raise EvaluationError("the height of the ground is not known here")
+        x, y, _ = self.to_world(place).minus(self.origin_shift)
+        ground = self._from_first_world(Point(x, y, self.ground_height(x, y)))
+        return place._replace(z=ground.z + height)
 
     def _place(self, name: str, here: Point) -> Point:
         """The point of a place, in the mission frame; home is meant at the present height."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from behaviors.arrival import Approach, Arrival, Blocked
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.leg import Approach, Arrival, Blocked, Leg
+from behaviors.leg import Leg
 from behaviors.params import BehaviorParams, Heading, live, param
 from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
@@ -28,6 +29,9 @@ class GoTo(Behavior):
         speed: float = live(2.0, unit="m/s", min=0.05, max=20.0, help="on the way")
         heading: Heading = live("keep", help="an angle, keep, travel or {face: point}")
         tolerance: float = param(0.20, unit="m", min=0.02, help="distance that counts as there")
+        tolerance_vertical: float | None = param(
+            None, unit="m", min=0.02, help="that in height; then `tolerance` is over the ground"
+        )
         yaw_tolerance: float = param(0.15, unit="rad", min=0.01, help="error of the heading")
         dwell: float = param(0.5, unit="s", min=0.0, help="time inside the tolerance")
         timeout: float | None = param(None, unit="s", min=0.1, help="then it is blocked anyway")
@@ -44,16 +48,18 @@ class GoTo(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params = self.params
         self.leg = Leg(flight, params.to, progress)
-        self.arrival = Arrival(params.tolerance, params.yaw_tolerance, params.dwell)
+        self.arrival = Arrival(
+            params.tolerance, params.yaw_tolerance, params.dwell, params.tolerance_vertical
+        )
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params = self.params
         approach = self.leg.step(flight, params.to, params.speed, params.heading)
         flight.publish(approach)
-        if self.leg.arrived(flight, approach, self.arrival):
+        if self.leg.arrived(approach, self.arrival):
             self.leg.rest(flight)
             return "done"
-        return self.leg.blocked(flight, approach, params.timeout)
+        return self.leg.blocked(approach, params.timeout)
 
     def progress(self) -> dict[str, Any]:
         return self.leg.progress()

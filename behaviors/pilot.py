@@ -15,7 +15,7 @@ from typing import Any
 from behaviors.activity import DroneActivity
 from behaviors.calls import Calls, CodeFailed
 from behaviors.channel import Channel
-from behaviors.frame import MissionFrame
+from behaviors.frame import GroundHeight, MissionFrame
 from behaviors.host_functions import HOST_FUNCTIONS
 from behaviors.landing import Aside, Descent, is_unstable
 from behaviors.vocabulary import VehicleView
@@ -448,6 +448,7 @@ def resume_flight(
     *,
     places: Mapping[str, Point] | None = None,
     geographic: tuple[float, float, float] | None = None,
+    ground_height: GroundHeight | None = None,
     thresholds: Thresholds | None = None,
 ) -> Pilot:
     """A pilot that continues a saved flight.
@@ -459,7 +460,7 @@ def resume_flight(
         raise _torn()
     try:
         origin, origin_shift = unpack(known["origin"]), unpack(known["origin_shift"])
-        frame = MissionFrame(origin, places, geographic, origin_shift)
+        frame = MissionFrame(origin, places, geographic, origin_shift, ground_height)
         pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
         _go_on(pilot, known)
     except TORN:

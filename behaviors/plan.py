@@ -8,12 +8,13 @@ battery they take.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from behaviors.guidance import yaw_towards
-from behaviors.params import Face, Heading
+from behaviors.params import Face, Heading, value
 from fsm.values.functions import EvaluationError
+from hal.limits import Limits
 from vencejo.geometry import Point
 
 
@@ -67,6 +68,18 @@ class PlanStart:
     """The height of what lies straight below: the ground, or the top of a thing."""
     return_height: float
     """The height above home at which the vehicle returns by its own means, at least."""
+    limits: Limits = field(default_factory=Limits)
+    """Its limits, as far as they are known: None where one is not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slower:
+    """A path that needs more tilt, climb or speed than the vehicle has."""
+
+    asked: float = value("m/s")
+    speed: float = value("m/s")
+    """The speed at which it is flown: of a circle or figure eight the highest one, of a line
+    through points the lowest, in its sharpest bend."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +94,9 @@ class PlannedLeg:
     """Stay at its end, seconds."""
     yaw: float | None = None
     """The heading at its end, radians counter-clockwise from east; None where it is not known."""
+    slower: Slower | None = None
+    """The speeds of the path that it is part of, if the vehicle cannot fly that as fast as asked
+    for."""
 
 
 Legs = Sequence[PlannedLeg]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
 from typing import Any, ClassVar
 
+from behaviors.arrival import Blocked
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
-from behaviors.leg import Arrival, Blocked, Leg
 from behaviors.params import BehaviorParams, Heading, Route, Waypoint, param, value
 from behaviors.plan import Legs, PlannedLeg, PlanStart, leg_to
+from behaviors.waypoint_flight import Goal, Tolerances, WaypointFlight
 from fsm.host import Outcome
 from vencejo.geometry import Point
 
@@ -39,8 +39,8 @@ class Reached:
 class FlyRoute(Behavior):
     """Fly points in order; each may have its own ``{at, heading, speed, dwell}``.
 
-    A point is reached inside ``tolerance``; without a dwell the vehicle goes on at once. The last
-    one is held afterwards.
+    A point is reached inside ``tolerance``; without a dwell the vehicle passes it in an arc, within
+    half of that, as fast as the arc allows. The last one is held afterwards.
     Raises ``route.reached`` at each point. Ends in ``blocked`` like a goto. Entered again by way
     of a history state, it goes on with the point it was heading for.
     """
@@ -54,6 +54,9 @@ class FlyRoute(Behavior):
         dwell: float = param(0.0, unit="s", min=0.0, help="stay at each point")
         # The threshold for straight lines of the beacon application of Yagüe, 2015.
         tolerance: float = param(0.5, unit="m", min=0.02, help="distance that counts as reached")
+        tolerance_vertical: float | None = param(
+            None, unit="m", min=0.02, help="that in height; then `tolerance` is over the ground"
+        )
         yaw_tolerance: float = param(
             0.15, unit="rad", min=0.01, help="where a heading is asked for"
         )
@@ -78,34 +81,43 @@ class FlyRoute(Behavior):
         return legs
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        progress = progress or {}
+        params, progress = self.params, progress or {}
         self.index = progress.get("index", 0)
-        points = self.params.points
         # A route that lost points while it was interrupted may have none left to fly.
-        self.leg: Leg | None = None
-        if self.index < len(points):
-            self.leg = Leg(flight, points[self.index].at, progress.get("leg"))
+        self.way: WaypointFlight | None = None
+        if self.index < len(params.points):
+            tolerances = Tolerances(
+                params.tolerance, params.tolerance_vertical, params.yaw_tolerance
+            )
+            goals = [self._goal(point) for point in params.points]
+            self.way = WaypointFlight(flight, goals, tolerances, self.index, progress.get("way"))
+
+    def _goal(self, point: Waypoint) -> Goal:
+        """A point with its own settings or those of the route."""
+        params = self.params
+        return Goal(
+            point.at,
+            params.speed if point.speed is None else point.speed,
+            params.dwell if point.dwell is None else point.dwell,
+            params.heading if point.heading is None else point.heading,
+            # Where it flies on at once, it waits for no heading but a point's own.
+            turned=point.heading is not None,
+        )
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        params, leg = self.params, self.leg
-        if leg is None:
+        params, way = self.params, self.way
+        if way is None:
             return "done"
-        point: Waypoint = params.points[self.index]
-        heading = params.heading if point.heading is None else point.heading
-        dwell = params.dwell if point.dwell is None else point.dwell
-        approach = leg.step(flight, point.at, point.speed or params.speed, heading)
-        flight.publish(Passage(self.index, len(params.points), approach.distance))
-        # Where it flies on at once, it waits for no heading but the one of this very point.
-        turned = params.yaw_tolerance if dwell or point.heading is not None else inf
-        if not leg.arrived(flight, approach, Arrival(params.tolerance, turned, dwell)):
-            return leg.blocked(flight, approach, params.timeout)
-        flight.raise_event("route.reached", Reached(self.index, point.at))
-        self.index += 1
-        if self.index == len(params.points):
-            leg.rest(flight)
-            return "done"
-        leg.begin(params.points[self.index].at, flight.now)
-        return None
+        way.step(flight)
+        flight.publish(Passage(self.index, len(params.points), way.approach.distance))
+        while way.arrived():
+            flight.raise_event("route.reached", Reached(self.index, params.points[self.index].at))
+            self.index += 1
+            if self.index == len(params.points):
+                way.rest(flight)
+                return "done"
+            way.head_for(self.index, flight)
+        return way.blocked(params.timeout)
 
     def progress(self) -> dict[str, Any]:
-        return {"index": self.index, "leg": self.leg.progress() if self.leg else None}
+        return {"index": self.index, "way": self.way.progress() if self.way else None}

@@ -78,13 +78,16 @@ def _is_plain(setpoint: Any) -> bool:
     # One sum of squares tests all its numbers: it is small only when each is finite and small.
     try:
         if type(setpoint) is Position:
-            xyz, velocity, yaw, yaw_rate = setpoint
+            xyz, velocity, yaw, yaw_rate, acceleration = setpoint
             x, y, z = xyz
             if not type(x) is type(y) is type(z) is float or type(xyz) is not Point:
                 return False
             total = x * x + y * y + z * z
             if velocity is not None:
                 x, y, z = velocity
+                total += x * x + y * y + z * z
+            if acceleration is not None:
+                x, y, z = acceleration
                 total += x * x + y * y + z * z
             if yaw is not None:
                 total += yaw * yaw
@@ -114,6 +117,7 @@ def _position(given: Position) -> Position:
         None if given.velocity is None else _point("velocity", given.velocity),
         _optional("yaw", given.yaw),
         _optional("yaw_rate", given.yaw_rate),
+        None if given.acceleration is None else _point("acceleration", given.acceleration),
     )
 
 

@@ -117,6 +117,7 @@ class _Reader:
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         for name in self.cameras:
+            pilot.vehicle.use_camera(name)
             if pilot.channel.camera(name).latest() is not None:
                 self.frames += 1
 

@@ -28,7 +28,7 @@ from bench.machine import machine
 from bench.peers_flight import PEERS, ROUNDS
 from hal import PERIOD
 from hal.sim import open_session
-from hal.vehicle import Options, Position
+from hal.vehicle import Options, Position, VehicleSpec
 from runner import missions
 from runner.loop import fly
 from runner.plan import Plan
@@ -75,12 +75,6 @@ def variants() -> dict[str, Settings]:
     return chosen
 
 
-def models() -> dict[str, Settings]:
-    """The models whose hover is measured, those of them that there are here."""
-    wanted: dict[str, Settings] = {"f450": {"model": "f450"}, "ardrone2": {"model": "ardrone2"}}
-    return {name: settings for name, settings in wanted.items() if _opens(settings)} or {"": {}}
-
-
 def _opens(settings: Settings) -> bool:
     try:
         with open_session(Options(settings=settings)):
@@ -112,10 +106,11 @@ def recorded(mission: str, settings: Settings) -> float:
     return flown.mission_time / elapsed
 
 
-def rms_of_hover(settings: Settings, seconds: float = 60.0) -> float:
+def rms_of_hover(model: str, wind: str, seconds: float = 60.0) -> float:
     """Root mean square distance from the place where it is told to be, millimetres."""
     place = Point(0.0, 0.0, 5.0)
-    with open_session(Options(settings=settings)) as session:
+    drones = (VehicleSpec("drone", model),)
+    with open_session(Options(drones, settings={"wind": wind})) as session:
         (vehicle,) = session.vehicles.values()
         order = vehicle.takeoff(place.z)
         while not order.ended:
@@ -158,11 +153,9 @@ def jobs(folder: Path) -> Iterator[tuple[str, str, Job]]:
         mission = field(folder, boxes)
         label = f"lanes between {'100 boxes' if boxes else 'no boxes'}"
         yield label, "× real time", lambda m=mission: recorded(m, {})
-    for name, settings in models().items():
-        for wind in ("none", WIND):
-            chosen = {**settings, "wind": wind}
-            label = f"hover{' of ' + name if name else ''}, wind {wind}"
-            yield label, "mm RMS", lambda s=chosen: rms_of_hover(s)
+    for model, wind in product(("f450", "ardrone2"), ("none", WIND, f"{WIND},turbulence=natural")):
+        hold = partial(rms_of_hover, model, wind)
+        yield f"hover of {model}, wind {wind}", "mm RMS", hold
 
 
 def peers() -> dict[str, dict[str, object]]:
@@ -213,14 +206,14 @@ def main() -> None:
         return
     print(f"flights, CPU time of one core, median of {ROUNDS}; {machine()}")
     for name, (unit, values) in found.items():
-        print(f"  {name:44}{_shown(values)} {unit}")
+        print(f"  {name:54}{_shown(values)} {unit}")
     for name, told in others.items():
         factors = told.get("factors", {})
         assert isinstance(factors, dict)
         for job, factor in factors.items():
-            print(f"  {job + ', ' + name + ' ' + str(told['version']):44}{factor:9.3g} × real time")
+            print(f"  {job + ', ' + name + ' ' + str(told['version']):54}{factor:9.3g} × real time")
         if "missing" in told:
-            print(f"  {name:44}{told['missing']}")
+            print(f"  {name:54}{told['missing']}")
 
 
 def _shown(values: Sequence[float]) -> str:

@@ -25,6 +25,7 @@ from cli.options import (
     limit_option,
     model_option,
     noise_option,
+    physics_option,
     wind_option,
 )
 from cli.output import echo_json
@@ -100,6 +101,7 @@ class Report:
     help="Fly it N times in the simulator, with the seeds 0 to N-1, and tell what was measured.",
 )
 @engine_option
+@physics_option
 @noise_option("Disturb the commands of these flights, as for `run`.")
 @wind_option("Let a wind blow on these flights, as for `run`.")
 @click.option("--strict", is_flag=True, help="Count warnings as errors.")
@@ -115,6 +117,7 @@ def check(
     clearance: float,
     count: int | None,
     engine: str | None,
+    physics: str,
     noise: float,
     wind: str | None,
     strict: bool,
@@ -137,7 +140,7 @@ def check(
     if count is not None:
         if no_code:
             raise click.UsageError("--fly runs the Python that missions use; leave --no-code out")
-        own = {"engine": engine, "noise": noise, "wind": wind}
+        own = {"engine": engine, "physics": physics, "noise": noise, "wind": wind}
         with user_code(call_limit) as limit:
             reports = [_flown(r, count, own, limit_settings, limit) for r in reports]
     if as_json:

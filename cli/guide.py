@@ -63,8 +63,9 @@ a parameter, `--world NAME` the world, `--seed N` all randomness.
   seconds, radians. `heading: 90` is 90 radians.
 - Points are metres east, north and up of home: `[x, y, z]`; `[x, y]` keeps the height;
   `{forward: 2 m, left: 0, up: 1 m}` from where the vehicle is and looks; `{x, y, z, frame: world}`;
-  `{lat, lon, above_home}`; `home`; the name of a place; `$vehicle.position`. A heading is an angle
-  counter-clockwise from east, `keep`, `travel` or `{face: point}`.
+  `{lat, lon, above_home}`; `{x, y, above_ground: 4 m}`; `home`; the name of a place;
+  `$vehicle.position`. A heading is an angle counter-clockwise from east, `keep`, `travel` or
+  `{face: point}`.
 
 ## Expressions
 

@@ -62,6 +62,13 @@ engine_option = click.option(
     type=Word(engine_names()),
     help="The simulator's physics engine.  [default: the first that is installed]",
 )
+physics_option = click.option(
+    "--physics",
+    metavar="real|ideal[,+EFFECT|,-EFFECT...]",
+    default="real",
+    show_default=True,
+    help="What the simulator computes: rotors, drag, ground_effect, power, sag, crashes, downwash.",
+)
 shadows_option = click.option(
     "--shadows", is_flag=True, help="What stands on the ground darkens it in pictures."
 )

@@ -28,6 +28,7 @@ from cli.options import (
     limit_option,
     model_option,
     noise_option,
+    physics_option,
     renderer_option,
     shadows_option,
     wind_option,
@@ -103,6 +104,7 @@ if TYPE_CHECKING:
     help="Times real time, or max. For the simulator.",
 )
 @engine_option
+@physics_option
 @noise_option("Disturb the commands in the simulator, as on a real AR.Drone; 1 is usual.")
 @wind_option(
     "Let a wind blow in the simulator instead of the world's: speed and compass bearing it comes "
@@ -168,6 +170,7 @@ def run(
     seed: int,
     speed: float | None,
     engine: str | None,
+    physics: str,
     noise: float,
     wind: str | None,
     wanted_cameras: dict[str, dict[str, int | float] | None],
@@ -199,6 +202,7 @@ def run(
             in_file = read_camera_file(camera_file) if camera_file else {}
             own = {
                 "engine": engine,
+                "physics": physics,
                 "noise": noise,
                 "wind": wind,
                 "cameras": joined(in_file, wanted_cameras),

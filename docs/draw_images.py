@@ -15,6 +15,7 @@ from behaviors import Pilot
 from cli.live_view import LiveView
 from cli.look import render
 from cli.plot import draw
+from docs.draw_responses import draw_responses
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
@@ -77,6 +78,7 @@ def main() -> None:
     IMAGES.mkdir(exist_ok=True)
     draw_graphs()
     draw_worlds()
+    draw_responses(IMAGES / "responses.png")
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=96, height=28, file=io.StringIO(), force_terminal=True)

@@ -72,6 +72,11 @@ class BaseVehicle:
 
     # Methods for subclasses to override.
 
+    @property
+    def limits(self) -> Limits:
+        """See the contract: a vehicle that does not override it does not know its limits."""
+        return Limits()
+
     def refusal(self) -> str:
         """The reason why the vehicle cannot fly a set-point now; empty when it can."""
         return ""
@@ -238,6 +243,7 @@ class BaseSession(Generic[V]):
     settings: Mapping[str, object] = MappingProxyType({})
     places: Mapping[str, Point] = MappingProxyType({})
     geographic: tuple[float, float, float] | None = None
+    ground_height: Callable[[float, float], float] | None = None
 
     def __init__(self, vehicles: Iterable[V]) -> None:
         self.vehicles: Mapping[str, V] = MappingProxyType({each.name: each for each in vehicles})

@@ -101,8 +101,8 @@ class FakeVehicle(BaseVehicle):
         """Names of the things on which it comes down and does not stand, landing by landing."""
         self.refuse_next: str | None = None
         """Reason for which the next verb, and only that one, is refused."""
-        self.limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
-        self.limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
+        self._limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
+        self._limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
         """By the names they have in :class:`hal.limits.Limits`."""
         self._ground = 0.0
         """Its height, world frame, metres."""
@@ -136,7 +136,7 @@ class FakeVehicle(BaseVehicle):
         self._target = self._target.plus(shift)
         self._ground += shift.z
         for name in ("min_altitude", "max_altitude"):
-            self.limits[name] += shift.z
+            self._limits[name] += shift.z
 
     def _is_aloft(self) -> bool:
         return self.position.z > self._ground
@@ -172,7 +172,7 @@ class FakeVehicle(BaseVehicle):
             return DONE
         if self._mode == "stopped":
             return refused("the motors were stopped in the air")
-        if not 0 < altitude <= self.limits["max_altitude"] - self._ground:
+        if not 0 < altitude <= self._limits["max_altitude"] - self._ground:
             return refused(f"{altitude:g} m is no altitude to rise to")
         armed = self._decide_arm()
         if armed is not DONE:
@@ -247,12 +247,17 @@ class FakeVehicle(BaseVehicle):
         """See BaseVehicle."""
         self._setpoint, self._mode = setpoint, "flying"
 
+    @property
+    def limits(self) -> Limits:
+        known = {name: value for name, value in self._limits.items() if abs(value) < inf}
+        return Limits(**known)
+
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
-        wanted = self.limits | limits.given()
+        wanted = self._limits | limits.given()
         if wanted["min_altitude"] >= wanted["max_altitude"]:
             return Answer(False, "the lowest altitude is above the highest")
-        self.limits = wanted
+        self._limits = wanted
         return ACCEPTED
 
     # Time.
@@ -323,7 +328,8 @@ class FakeVehicle(BaseVehicle):
                     self._turn(wrap(place.yaw - self.yaw) / step, step)
                 else:
                     self._turn(place.yaw_rate or 0.0, step)
-                return self._towards(Point(*place.xyz), step)
+                moved = _times(Point(*(place.velocity or _STILL)), step)
+                return self._towards(Point(*place.xyz).plus(moved), step)
             case Velocity(x, y, z, frame, yaw_rate):
                 if frame == "heading":
                     x, y = rotate_xy(x, y, self.yaw)
@@ -335,7 +341,7 @@ class FakeVehicle(BaseVehicle):
 
     def _tilted(self, setpoint: Attitude, step: float) -> Point:
         """The position after ``step`` seconds by tilt: g·tan(tilt) accelerates it, without drag."""
-        limits, share = self.limits, setpoint.unit == "share"
+        limits, share = self._limits, setpoint.unit == "share"
         most = limits["max_tilt"]
         roll, pitch = (
             max(-most, min(most, angle * most if share else angle))
@@ -348,13 +354,13 @@ class FakeVehicle(BaseVehicle):
         return self._towards(self.position.plus(_times(Point(x, y, climb), step)), step)
 
     def _turn(self, rate: float, step: float) -> None:
-        most = self.limits["max_yaw_rate"]
+        most = self._limits["max_yaw_rate"]
         self._turning = max(-most, min(most, rate))
         self.yaw = wrap(self.yaw + self._turning * step)
 
     def _towards(self, place: Point, step: float) -> Point:
         """The position after ``step`` seconds on the way to a place, within the limits."""
-        limits = self.limits
+        limits = self._limits
         x, y, z = place.minus(self.position)
         if self._mode == "flying":
             z = max(z, limits["min_altitude"] - self.position.z)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from hal.limits import Limits
@@ -24,6 +24,8 @@ class FlightModel:
     """Least height above home at which they return by their own means, metres."""
     profiles: Mapping[str, Limits]
     """Their named limits, altitudes above home."""
+    limits: Limits = field(default_factory=Limits)
+    """The limits that they have unless others are set; None where there is none."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ return an :class:`~hal.orders.Order` to poll, and a set-point is valid for a sho
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, tan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
@@ -115,14 +115,18 @@ class Velocity(NamedTuple):
 class Position(NamedTuple):
     """Fly to a place (world frame), and be there at ``velocity``, m/s (feed-forward).
 
-    A moving position is sent anew every period; a fixed one needs no velocity. ``yaw`` (radians)
-    asks for a heading, otherwise ``yaw_rate`` (rad/s) turns; with neither the heading stays.
+    A moving position is where the vehicle is to be when it is sent, with the mean velocity and
+    ``acceleration`` (m/s², feed-forward) until the next one, and it is sent anew every period; a
+    fixed one needs neither. ``yaw`` (radians) asks for a heading, otherwise ``yaw_rate`` (rad/s)
+    turns; with neither the heading stays.
     """
 
     xyz: Point
     velocity: Point | None = None
     yaw: float | None = None
     yaw_rate: float | None = None
+    acceleration: Point | None = None
+    """Without it, as far as a vehicle asks, the change of the velocity since the last one."""
 
 
 class Attitude(NamedTuple):
@@ -162,6 +166,9 @@ def is_finite(setpoint: Setpoint) -> bool:
         total = x + y + z + (setpoint.yaw or 0.0) + (setpoint.yaw_rate or 0.0)
         if setpoint.velocity is not None:
             x, y, z = setpoint.velocity
+            total += x + y + z
+        if setpoint.acceleration is not None:
+            x, y, z = setpoint.acceleration
             total += x + y + z
     elif isinstance(setpoint, Velocity):
         total = setpoint.x + setpoint.y + setpoint.z + setpoint.yaw_rate
@@ -288,6 +295,12 @@ class Vehicle(Protocol):
     def profiles(self) -> Mapping[str, Limits]:
         """Named limits of the vehicle's model (``indoor``, ``outdoor``), altitudes above home."""
 
+    @property
+    def limits(self) -> Limits:
+        """The limits as they hold now, altitudes in the world frame; None where it is not known,
+        or there is none.
+        """
+
     def observe(self) -> Observation:
         """The state at the present mission period.
 
@@ -396,6 +409,13 @@ class Session(Protocol):
     @property
     def geographic(self) -> tuple[float, float, float] | None:
         """Latitude, longitude (degrees) and altitude (m) of the world frame's origin, if known."""
+
+    @property
+    def ground_height(self) -> Callable[[float, float], float] | None:
+        """The height of the ground (terrain, not things) at a place (x, y), world frame, metres;
+        None where that is not known. Vehicles of a session that has it have the capability
+        ``terrain``.
+        """
 
     def wait(self) -> float:
         """Advance to the next mission period, and return the step made, seconds.

@@ -134,7 +134,8 @@ def prepare_fleet(
             )
     graphs = {name: each.prepared.graph for name, each in assignments.items()}
     faults.extend(check_fleet(spec, graphs))
-    if spec.members and all(member.spec is None for member in spec.members) and not spec.until:
+    unflown = all(member.spec is None for member in spec.members) and spec.until is None
+    if unflown and not faults.errors:
         message = "no vehicle of this fleet has a mission, and nothing says when it ends"
         hint = "give one a mission, or the fleet an `until`"
         faults.fail("no-mission", message, spec.names[0].where, hint)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import dist, floor
 from typing import Any
 
@@ -27,6 +28,7 @@ from vencejo.nodes import Scalar
 from worlds import Start, World
 from worlds.fence import leaves
 from worlds.obstacles import Near, Obstacles
+from worlds.terrain import height_at
 
 CLEARANCE = 0.5
 """Least distance from things that is asked for by default, metres."""
@@ -84,7 +86,8 @@ def check_geometry(
     start, obstacles = start or world.starts[0], Obstacles(world)
     origin = world.origin
     geographic = (origin.lat, origin.lon, origin.alt) if origin else None
-    frame = MissionFrame(start.at, world.places, geographic)
+    ground = partial(height_at, world.ground.terrain)
+    frame = MissionFrame(start.at, world.places, geographic, ground_height=ground)
 
     def ground_below(place: Point) -> float:
         return obstacles.below(frame.to_world(place)).height - start.at.z
@@ -96,6 +99,7 @@ def check_geometry(
         1 + len(obstacles) // 50,
         terms.model,
         calls or Calls(),
+        terms.limits.over(terms.model.limits) if terms.model else terms.limits,
     )
     paths = possible_paths(graph, parameters or {}, setting)
     view = _View(world, obstacles, frame, terms, _may_refill(graph, world))
@@ -185,6 +189,7 @@ class _View:
             return
         self.near_things(leg, a, b)
         self.beyond_limits(leg)
+        self.slower_than_asked(leg)
         self.outside_fence(leg, a, b)
         self.beyond_battery(leg)
 
@@ -249,6 +254,16 @@ class _View:
         if low is not None and end < low - _SAME and leg.behavior.needs_flight:
             limit = f"{told}, below the limit of {low:g} m"
             self.warn("beyond-limits", leg, limit, "fly higher, or lower min_altitude")
+
+    def slower_than_asked(self, leg: PossibleLeg) -> None:
+        slower = leg.leg.slower
+        if slower is not None:
+            told = (
+                f"'{leg.behavior.name}' flies its path at {slower.speed:.2g} m/s, not at "
+                f"{slower.asked:g} m/s: its bends need more tilt, or it is beyond another limit"
+            )
+            hint = "ask for less speed, make its bends wider, or raise max_tilt"
+            self.warn("slower-than-asked", leg, told, hint)
 
     def outside_fence(self, leg: PossibleLeg, a: Point, b: Point) -> None:
         fence = self.world.fence

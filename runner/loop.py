@@ -386,7 +386,7 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
     """A vehicle with its mission, about to begin with a period of ``dt`` seconds."""
     vehicle, assignment = session.vehicles[name], plan.assignments[name]
     seen = vehicle.observe()
-    frame = MissionFrame.at_start(seen, session.places, session.geographic)
+    frame = MissionFrame.at_start(seen, session.places, session.geographic, session.ground_height)
     graph, parameters = assignment.prepared.graph, assignment.parameters
     pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed, calls=calls)
     try:

@@ -13,7 +13,7 @@ from fsm.chart.graph import Node
 from fsm.expressions.compiled import Compiled
 from fsm.host import BehaviorInfo
 from fsm.values.functions import FAILURES
-from hal import FlightModel
+from hal import FlightModel, Limits
 from vencejo.errors import Fault
 from vencejo.geometry import Point
 
@@ -38,6 +38,8 @@ class Setting:
     """How the vehicle flies; None where it is not known."""
     calls: Calls = field(default_factory=Calls)
     """The calls of people's plans."""
+    limits: Limits = field(default_factory=Limits)
+    """The limits of flight, as far as they are known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,6 +188,7 @@ class Planner:
             UNKNOWN if point is None else begin.flying,
             UNKNOWN if point is None else self._ground_below(point),
             UNKNOWN if model is None else model.return_height,
+            self.setting.limits,
         )
         parameters = self._resolved(behavior, given, start)
         class_ = behavior.implementation

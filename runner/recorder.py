@@ -17,7 +17,7 @@ from behaviors import Pilot
 from fsm.engine.instance import Record
 from hal.vehicle import Frame, Observation, Reading, Setpoint
 from runner.appended_file import AppendedFile, as_json, encode, writing
-from runner.frames import FrameFiles
+from runner.frames import FrameFiles, PhotoFiles
 from runner.readings import ReadingFile
 from runner.run_folder import (
     EVENTS,
@@ -75,6 +75,9 @@ class Recorder:
         self._frames = FrameFiles(place) if frames else None
         self._unwritten_frames: list[tuple[str, str, Frame]] = []
         """Vehicle, camera and frame of every frame read but not yet written."""
+        self._photos = PhotoFiles(place)
+        self._unwritten_photos: list[tuple[str, str, Frame]] = []
+        """Vehicle, name and frame of every photo not yet written."""
         self._readings = ReadingFile(place)
         self._unwritten_readings: list[tuple[str, str, Reading]] = []
         """Vehicle, sensor and reading of every reading read but not yet written."""
@@ -107,7 +110,7 @@ class Recorder:
         for vehicle, file in telemetry_files(header.missions).items():
             path = self.folder / file
             with writing(path):
-                path.parent.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
             self._telemetry[vehicle] = AppendedFile(path)
             self._telemetry[vehicle].append([COLUMNS])
             self._rows[vehicle] = []
@@ -116,11 +119,15 @@ class Recorder:
         """Record the frames and readings that the behaviours of this pilot read."""
         if self._frames is not None:
             pilot.channel.on_frame = partial(self._keep_frame, pilot.vehicle.name)
+        pilot.channel.on_photo = partial(self._keep_photo, pilot.vehicle.name)
         pilot.channel.on_reading = partial(self._keep_reading, pilot.vehicle.name)
 
     def _keep_frame(self, vehicle: str, camera: str, frame: Frame) -> None:
         # Written after the period: a full disk is no failure of the behaviour that reads a frame.
         self._unwritten_frames.append((vehicle, camera, frame))
+
+    def _keep_photo(self, vehicle: str, name: str, camera: str, frame: Frame) -> None:
+        self._unwritten_photos.append((vehicle, name, frame))
 
     def _keep_reading(self, vehicle: str, sensor: str, reading: Reading) -> None:
         self._unwritten_readings.append((vehicle, sensor, reading))
@@ -138,6 +145,8 @@ class Recorder:
             self._write_rows(vehicle)
         if self._unwritten_frames:
             self._write_frames()
+        if self._unwritten_photos:
+            self._write_photos()
         if self._unwritten_readings:
             self._write_readings()
         return records
@@ -168,6 +177,11 @@ class Recorder:
             for frame in read:
                 self._frames.write(*frame)
 
+    def _write_photos(self) -> None:
+        taken, self._unwritten_photos = self._unwritten_photos, []
+        for photo in taken:
+            self._photos.write(*photo)
+
     def _write_readings(self) -> None:
         measured, self._unwritten_readings = self._unwritten_readings, []
         for reading in measured:
@@ -184,6 +198,7 @@ class Recorder:
                 if rows:
                     self._write_rows(vehicle)
             self._write_frames()
+            self._write_photos()
             self._write_readings()
 
     def write_summary(self, summary: Summary) -> None:

@@ -276,6 +276,11 @@ def frame_file(vehicle: str, camera: str, frame: Frame) -> str:
     return f"frames/{vehicle}/{camera}/{frame.sequence:06d}.jpg"
 
 
+def photo_file(vehicle: str, name: str, number: int) -> str:
+    """The path of the n-th photo of a name, from the run folder."""
+    return f"photos/{vehicle}/{name}{f'-{number}' if number > 1 else ''}.jpg"
+
+
 def frame_fields(
     vehicle: str, camera: str, frame: Frame, *, with_intrinsics: bool
 ) -> dict[str, Any]:

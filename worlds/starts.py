@@ -29,10 +29,16 @@ class PlannedStart(NamedTuple):
 
 def starts_for(world: World, given: Sequence[Start | None]) -> list[Start]:
     """The start of each of several vehicles: the one ``given`` to it, or else the next of the
-    world's own starts, or a further one beside the last of these.
+    world's own starts, or a further one beside the last of these, where none of the given ones is.
     """
-    own = _own_starts(world)
+    taken = [start.at for start in given if start is not None]
+    own = (each for each in _own_starts(world) if not any(_overlap(each.at, at) for at in taken))
     return [start or next(own) for start in given]
+
+
+def _overlap(a: Point, b: Point) -> bool:
+    near = horizontal_distance(a, b) < 2 * START_CLEARANCE
+    return near and abs(a.z - b.z) < START_CLEARANCE
 
 
 def _own_starts(world: World) -> Iterator[Start]:

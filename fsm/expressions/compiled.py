@@ -42,6 +42,8 @@ class Compiled:
     """The kinds of the names it depends on; empty for a literal."""
     code: str = ""
     """The code it was translated to: two expressions that say the same have the same."""
+    needs: frozenset[str] = frozenset()
+    """The capabilities of a vehicle that its value asks for."""
 
     def __call__(self, slots: list[Any], event: Mapping[str, Any] | None = None) -> Any:
         """Evaluate it. Raises one of :data:`fsm.values.functions.FAILURES`."""

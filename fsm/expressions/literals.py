@@ -17,7 +17,7 @@ from fsm.expressions.compiled import Compiled, Evaluator, compile_expression, co
 from fsm.expressions.constants import warn_of_angle
 from fsm.expressions.scope import Scope
 from fsm.expressions.templates import NAME, Inserted, formatted, pieces
-from fsm.values.conversion import HEADING_WORDS, POINT_FORMS, converted, point_of
+from fsm.values.conversion import ABOVE_GROUND, HEADING_WORDS, POINT_FORMS, converted, point_of
 from fsm.values.functions import FAILURES, bounded, plain
 from fsm.values.types import (
     ANY,
@@ -49,7 +49,7 @@ from vencejo.units import ANGLE, LENGTH, parse_number, parse_quantity, read_quan
 
 _POINT_HELP = (
     "write [x, y], [x, y, z], {x, y, z}, {forward, left, up}, {lat, lon, above_home}, "
-    "home or a place"
+    "{x, y, above_ground}, home or a place"
 )
 
 
@@ -281,15 +281,20 @@ def _built(
 ) -> Compiled:
     """A value that is made of others, and constant when they all are."""
     functions = [item.function for item in items]
-    if all(item.constant for item in items):
+    all_constant = all(item.constant for item in items)
+    if all_constant:
         value = make([item.value() for item in items])
-        # A mutable constant must not be shared between instances: build it anew each time.
-        if isinstance(value, (list, dict)):
-            return Compiled(
-                type_, lambda s, e: make([f(s, e) for f in functions]), "", where, constant=True
-            )
-        return constant(value, type_, where)
-    return Compiled(type_, lambda s, e: make([f(s, e) for f in functions]), "", where)
+        # A mutable constant must not be shared between instances: it is built anew each time.
+        if not isinstance(value, (list, dict)):
+            return constant(value, type_, where)
+    return Compiled(
+        type_,
+        lambda s, e: make([f(s, e) for f in functions]),
+        "",
+        where,
+        constant=all_constant,
+        needs=frozenset().union(*(item.needs for item in items)),
+    )
 
 
 def _read_sequence(node: Sequence, place: Type, context: Context) -> Compiled:
@@ -368,7 +373,15 @@ def _point_form(node: MapNode, context: Context) -> Compiled:
         return value
 
     inner = compiled.function
-    return Compiled(POINT, lambda s, e: whole(inner(s, e)), "", node.where, compiled.constant)
+    needs = frozenset({"terrain"}) if ABOVE_GROUND in names else compiled.needs
+    return Compiled(
+        POINT,
+        lambda s, e: whole(inner(s, e)),
+        "",
+        node.where,
+        compiled.constant,
+        needs=needs,
+    )
 
 
 def _fields_of(node: MapNode, shape: MapOf, context: Context, type_: Type) -> Compiled:

@@ -31,12 +31,19 @@ LARGEST = nextafter(MAX_NUMBER, 0.0)
 HEADING_WORDS = ("keep", "travel")
 _LENGTH = Number(LENGTH)
 _BARE = Number()
+ABOVE_GROUND = "above_ground"
+"""The key of a point's height above the terrain straight below it."""
 POINT_FORMS: tuple[Mapping[str, Type], ...] = (
     MappingProxyType(
         {"x": _LENGTH, "y": _LENGTH, "z": _LENGTH, "frame": Text(("mission", "world"))}
     ),
     MappingProxyType({"forward": _LENGTH, "left": _LENGTH, "up": _LENGTH}),
     MappingProxyType({"lat": _BARE, "lon": _BARE, "above_home": _LENGTH}),
+    MappingProxyType(
+        {"x": _LENGTH, "y": _LENGTH, ABOVE_GROUND: _LENGTH, "frame": Text(("mission", "world"))}
+    ),
+    MappingProxyType({"forward": _LENGTH, "left": _LENGTH, ABOVE_GROUND: _LENGTH}),
+    MappingProxyType({"lat": _BARE, "lon": _BARE, ABOVE_GROUND: _LENGTH}),
 )
 
 

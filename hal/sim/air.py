@@ -38,7 +38,8 @@ class Air:
             x, y, z = weather.wind(position, velocity, time) if weather else _STILL
             wind = x, y, z - down
             vehicle.dynamics.wind = wind
-            vehicle.estimated_wind = _followed(vehicle.estimated_wind, wind)
+            if vehicle.estimated_wind is not None:
+                vehicle.estimated_wind = _followed(vehicle.estimated_wind, wind)
 
     def _sinking(self) -> list[float]:
         """How fast the others make the air about each vehicle sink, m/s."""

@@ -12,6 +12,7 @@ from math import exp, hypot, inf, sqrt, tan
 
 from hal.sim.model import Model
 from hal.sim.motion import Axes
+from hal.sim.noise import NO_NOISE
 from hal.sim.physics import GRAVITY, STEP, BodyState, Triple
 from hal.sim.rotors import Wrench
 from vencejo.geometry import rotate_xy, wrap, yaw_of
@@ -81,8 +82,8 @@ class Controller:
         self.max_tilt = model.max_tilt
         self.max_yaw_rate = model.max_yaw_rate
         self.min_altitude, self.max_altitude = -inf, inf
-        self.noise = (0.0, 0.0, 0.0)
-        """Noise added to the target velocity, world frame, m/s."""
+        self.noise = NO_NOISE
+        """Noise added to the target velocity and turn rate."""
         self.acceleration = (0.0, 0.0, 0.0)
         """Feed-forward acceleration of a moving place in this mission period, m/s²."""
         self.height: float | None = None
@@ -192,7 +193,9 @@ class Controller:
             vz = min(vz, _approach_speed(self.max_altitude - z, _POSITION_GAIN, _DECELERATION))
         vz = max(-self.max_climb, min(self.max_climb, vz))
 
-        noise_x, noise_y, noise_z = self.noise
+        noise_x, noise_y, noise_z, noise_yaw = self.noise
+        if self._in_heading_frame:
+            noise_x, noise_y = rotate_xy(noise_x, noise_y, yaw)
         self._target_vx, self._target_vy, self._target_vz = (
             vx + noise_x,
             vy + noise_y,
@@ -206,7 +209,7 @@ class Controller:
             self._yaw = yaw
         if self._yaw is not None:
             rate = _approach_speed(wrap(self._yaw - yaw), _YAW_GAIN, _YAW_DECELERATION)
-        self._target_yaw_rate = max(-self.max_yaw_rate, min(self.max_yaw_rate, rate))
+        self._target_yaw_rate = _clamped(rate, self.max_yaw_rate) + noise_yaw
 
     def step(self, state: BodyState, axes: Axes) -> Wrench:
         """The thrust (N) and the torques about the body's axes (N·m) wanted in the next step.

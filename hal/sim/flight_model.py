@@ -6,6 +6,7 @@ from functools import partial
 from math import dist, hypot, inf, sqrt
 
 from hal.flight_model import FlightModel
+from hal.limits import Limits
 from hal.sim.model import Model
 from vencejo.geometry import Point
 
@@ -13,11 +14,14 @@ RETURN_HEIGHT = 5.0
 """Least height above home of a return, metres."""
 ACCELERATION = 1.5
 """With which legs are begun and ended, m/s²: that of the behaviours, on average."""
+SMOOTHING = 0.6
+"""Time by which a leg takes longer since it begins and ends smoothly, seconds."""
 
 
 def flight_model_of(model: Model) -> FlightModel:
     """What plans may ask of a model's flight."""
-    return FlightModel(partial(_leg_charge, model), RETURN_HEIGHT, model.profiles)
+    own = Limits(model.max_speed, model.max_climb, model.max_tilt, model.max_yaw_rate)
+    return FlightModel(partial(_leg_charge, model), RETURN_HEIGHT, model.profiles, own)
 
 
 def _leg_charge(model: Model, begin: Point, end: Point, speed: float | None, stay: float) -> float:
@@ -34,4 +38,4 @@ def _leg_charge(model: Model, begin: Point, end: Point, speed: float | None, sta
     climbing = model.max_climb * length / rise if rise else inf
     reached = min(over_ground, climbing, speed or inf, sqrt(length * ACCELERATION))
     # A begin and an end at a steady acceleration take as long again as the way they shorten.
-    return (length / reached + reached / ACCELERATION + stay) / model.endurance
+    return (length / reached + reached / ACCELERATION + SMOOTHING + stay) / model.endurance

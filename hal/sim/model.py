@@ -122,6 +122,8 @@ class Model:
     """Its cameras by name, the first one active at first."""
     one_active_camera: bool
     """Whether only one of them delivers images at a time."""
+    estimates_wind: bool
+    """Whether it tells what the wind is (capability ``wind``)."""
     color: Color | None
     """Of its hull; None for one that its name decides."""
 

@@ -8,7 +8,7 @@ from hal.flight_model import VehicleModel
 from hal.sim.flight_model import flight_model_of
 from hal.sim.model import AIR_DENSITY, Model
 from hal.sim.model_files import DEFAULT, load_model, model_names
-from hal.sim.vehicle import CAPABILITIES
+from hal.sim.vehicle import capabilities_of
 from vencejo.errors import Where
 
 
@@ -23,7 +23,7 @@ class ModelCatalog:
         return VehicleModel(
             model.name,
             model.description,
-            CAPABILITIES | {f"camera.{name}" for name in model.cameras},
+            capabilities_of(model) | {f"camera.{name}" for name in model.cameras},
             model.one_active_camera,
             flight_model_of(model),
             {

@@ -127,6 +127,7 @@ FIELDS = {
     "withstands": Field(_SPEED),
     "cameras": Field(names("cameras", CAMERA), NamedEntries()),
     "one_active_camera": Field(FLAG, False),
+    "estimates_wind": Field(FLAG, False),
     "color": Field(COLOR, None),
 }
 """The keys of a model's file."""

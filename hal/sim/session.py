@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 
@@ -28,6 +29,7 @@ from hal.vehicle import PERIOD, PERIODS_PER_SECOND, Options
 from vencejo.errors import VehicleError
 from vencejo.geometry import Point
 from vencejo.seeds import generator
+from worlds.terrain import height_at
 from worlds.wind import read_wind
 from worlds.world import World
 
@@ -71,6 +73,7 @@ class SimSession:
         self._places = world.places
         origin = world.origin
         self._geographic = (origin.lat, origin.lon, origin.alt) if origin else None
+        self._ground_height = partial(height_at, world.ground.terrain)
         self._count = 0
         self._all: list[SimVehicle] = []
         for spec, model, start in zip(options.vehicles, models, starts, strict=True):
@@ -135,6 +138,10 @@ class SimSession:
     @property
     def geographic(self) -> tuple[float, float, float] | None:
         return self._geographic
+
+    @property
+    def ground_height(self) -> Callable[[float, float], float]:
+        return self._ground_height
 
     def wait(self) -> float:
         """Advance by one mission period, six physics steps. Raises VehicleError when closed."""

@@ -14,7 +14,7 @@ from hal.sim.contact_tracker import REST, ContactTracker
 from hal.sim.dynamics import Dynamics
 from hal.sim.flight_model import RETURN_HEIGHT
 from hal.sim.model import Model
-from hal.sim.noise import CommandNoise
+from hal.sim.noise import NO_NOISE, CommandNoise
 from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.touchdown import Touchdown
 from hal.vehicle import (
@@ -34,10 +34,10 @@ from hal.vehicle import (
 from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of
 
 _ORIGIN = Point(0.0, 0.0, 0.0)
-CAPABILITIES = frozenset(
+_CAPABILITIES = frozenset(
     {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
-    | {"battery", "battery.swap", "wind"}
+    | {"battery", "battery.swap", "terrain"}
 )
 _AT_HOME = 0.5
 """Distance from home within which a landed vehicle has returned already, metres."""
@@ -53,6 +53,11 @@ _MAY_STAND = ("landed", "taking-off", "landing")
 """Modes in which it may touch what it can stand on; in the others that is a collision."""
 
 
+def capabilities_of(model: Model) -> frozenset[str]:
+    """The capabilities of a model's vehicles, without cameras and sensors."""
+    return _CAPABILITIES | {"wind"} if model.estimates_wind else _CAPABILITIES
+
+
 class SimVehicle(BaseVehicle):
     """One vehicle in the simulator (see :class:`hal.vehicle.Vehicle`).
 
@@ -60,8 +65,8 @@ class SimVehicle(BaseVehicle):
     when it stands on the ground.
     """
 
-    estimated_wind = _ORIGIN
-    """The wind that it observes, world frame, m/s."""
+    estimated_wind: Point | None = None
+    """The wind that it observes, world frame, m/s; None where its model estimates none."""
 
     def __init__(
         self,
@@ -96,7 +101,7 @@ class SimVehicle(BaseVehicle):
         self.dynamics = dynamics
         self._state = dynamics.state
         """At the end of the last mission period."""
-        self.capabilities = CAPABILITIES
+        self.capabilities = capabilities_of(model)
         self._switch = CameraSwitch({}, one_active=False)
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = dynamics.controller
@@ -142,11 +147,12 @@ class SimVehicle(BaseVehicle):
     # Observation.
 
     def fit(self, switch: CameraSwitch, sensors: Mapping[str, Sensor]) -> None:
-        """Mount cameras and sensors, by name."""
+        """Mount cameras and sensors, by name, and what estimates the wind."""
         self._switch, self.sensors = switch, sensors
         mounted = {f"camera.{name}" for name in switch.cameras}
         mounted |= {f"sensor.{name}" for name in sensors}
-        self.capabilities = CAPABILITIES | mounted
+        self.capabilities = capabilities_of(self._model) | mounted
+        self.estimated_wind = _ORIGIN if self._model.estimates_wind else None
 
     def _observed(self) -> Observation:
         (x, y, z), attitude, velocity, turning = self._state
@@ -353,7 +359,7 @@ class SimVehicle(BaseVehicle):
         if setpoint.velocity is None:
             controller.fly_to(*setpoint.xyz)
         else:
-            self._follow(setpoint.xyz, setpoint.velocity)
+            self._follow(setpoint.xyz, setpoint.velocity, setpoint.acceleration)
         if setpoint.yaw is not None:
             controller.face(setpoint.yaw)
         else:
@@ -369,20 +375,35 @@ class SimVehicle(BaseVehicle):
         controller.tilt(roll, pitch, climb, thrust)
         controller.turn(yaw_rate)
 
-    def _follow(self, place: Point, velocity: Point) -> None:
-        # The acceleration is that between the set-points of two successive periods.
-        led = self._last_feed_forward or velocity
+    def _follow(self, place: Point, velocity: Point, acceleration: Point | None) -> None:
         self._controller.fly_to(*place, velocity)
-        self._controller.acceleration = (
-            (velocity[0] - led[0]) / PERIOD,
-            (velocity[1] - led[1]) / PERIOD,
-            (velocity[2] - led[2]) / PERIOD,
-        )
+        if acceleration is None:
+            # Then it is that between the set-points of two successive periods.
+            led = self._last_feed_forward or velocity
+            acceleration = Point(
+                (velocity[0] - led[0]) / PERIOD,
+                (velocity[1] - led[1]) / PERIOD,
+                (velocity[2] - led[2]) / PERIOD,
+            )
+        self._controller.acceleration = acceleration
         self._feed_forward = velocity
 
     def _brake(self) -> None:
         self._controller.fly_at(0.0, 0.0, 0.0)
         self._braking = True
+
+    @property
+    def limits(self) -> Limits:
+        controller, low = self._controller, self._min_altitude
+        high = controller.max_altitude
+        return Limits(
+            controller.max_speed,
+            controller.max_climb,
+            controller.max_tilt,
+            controller.max_yaw_rate,
+            None if low == -inf else low,
+            None if high == inf else high,
+        )
 
     def configure(self, limits: Limits) -> Answer:
         """See the contract. Raises UserError (``bad-limit``)."""
@@ -494,7 +515,7 @@ class SimVehicle(BaseVehicle):
 
     def _update_mode(self) -> None:
         noise = self._noise.next()
-        self._controller.noise = (0.0, 0.0, 0.0) if self._contacts.supported else noise
+        self._controller.noise = NO_NOISE if self._contacts.supported else noise
         if self._battery.empty and self._armed:
             self._stop_motors("the battery is empty")
         elif self._mode == "taking-off":

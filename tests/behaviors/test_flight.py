@@ -109,8 +109,32 @@ def test_latitude_and_longitude() -> None:
 
 
 @pytest.mark.parametrize(
+    ("given", "point"),
+    [
+        ({"x": 4.0, "y": 6.0}, (4, 6)),
+        ({"x": 4.0}, (4, 2)),
+        ({"x": 14.0, "y": -14.0, "frame": "world"}, (4, 6)),
+        ({"forward": 4.0, "left": -3.0}, (4, 6)),
+    ],
+)
+def test_a_height_above_the_ground_is_that_of_the_place(given: Any, point: Any) -> None:
+    """Also after the world's origin has jumped, and wherever home is."""
+
+    def hill(x: float, y: float) -> float:
+        return 0.5 * x - 0.25 * y
+
+    for shift in (Point(0.0, 0.0, 0.0), Point(30.0, -7.0, 2.0)):
+        frame = MissionFrame(HOME.plus(shift), None, None, shift, hill)
+        x, y = point
+        ground = hill(x + HOME.x, y + HOME.y) - HOME.z
+        found = frame.point({**given, "above_ground": 4.0}, seen())
+        assert found == pytest.approx((x, y, ground + 4.0))
+
+
+@pytest.mark.parametrize(
     ("frame", "given", "message"),
     [
+        (FRAME, {"x": 1.0, "above_ground": 4.0}, "the height of the ground is not known here"),
         (FRAME, "gata", "there is no place 'gata' here (known: home, gate)"),
         (FRAME, 3.0, "3 is not a point"),
         (MissionFrame(HOME), {"lat": 1.0, "lon": 2.0}, "no geographic position"),
@@ -217,8 +241,8 @@ def test_limits_count_from_home() -> None:
     channel = Channel(vehicle, MissionFrame(HOME), Random(0))
     channel.world = channel.world._replace(home=HOME)
     assert channel.configure(Limits(min_altitude=1.0, max_altitude=4.0, max_speed=2.0)) == ACCEPTED
-    assert (vehicle.limits["min_altitude"], vehicle.limits["max_altitude"]) == (2.0, 5.0)
-    assert vehicle.limits["max_speed"] == 2.0
+    assert (vehicle.limits.min_altitude, vehicle.limits.max_altitude) == (2.0, 5.0)
+    assert vehicle.limits.max_speed == 2.0
 
 
 def test_pictures_are_taken_in_the_mission_frame() -> None:

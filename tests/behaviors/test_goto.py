@@ -7,8 +7,8 @@ from math import pi, sqrt
 import pytest
 
 from behaviors import Face
+from behaviors.arrival import PATIENCE
 from behaviors.guidance import ACCELERATION, BRAKING
-from behaviors.leg import PATIENCE
 from hal.vehicle import Position
 from tests.behaviors.flying import Solo
 from vencejo.geometry import Point, distance, horizontal_distance

@@ -9,7 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from behaviors import Face
-from behaviors.guidance import ACCELERATION, BRAKING, MAX_LEAD, STILL, Reference, yaw_towards
+from behaviors.guidance import (
+    ACCELERATION,
+    BRAKING,
+    MAX_LEAD,
+    SMOOTHING,
+    STILL,
+    Reference,
+    acceleration_at,
+    yaw_towards,
+)
 from hal.fake import FakeVehicle
 from hal.vehicle import PERIOD, Observation
 from tests.behaviors.flying import observed
@@ -44,7 +53,8 @@ def test_from_rest_it_arrives_straight_in_time_and_never_past(
     reference = Reference(start, STILL)
     way = distance(start, target)
     # Time at speed, plus half of speeding up and slowing down, plus the wait for a vehicle.
-    periods = round((way / speed + speed / ACCELERATION + speed / BRAKING + 0.5) / PERIOD) + 2
+    ramp = speed / acceleration_at(speed)
+    periods = round((way / speed + ramp + ramp / BRAKING + 0.5) / PERIOD) + 2 + SMOOTHING
     left = way
     for _ in range(periods):
         before = reference.velocity
@@ -68,13 +78,16 @@ def test_whatever_it_did_before_it_arrives_without_a_jerk(
     reference = Reference(start, velocity)
     fastest = max(speed, velocity.norm())
     most = sqrt(2) * ACCELERATION * PERIOD + 1e-9
-    way = distance(start, target) + fastest * fastest / BRAKING
-    for _ in range(round((way / speed + 4 * fastest + 4) / PERIOD)):
+    way = distance(start, target) + fastest * fastest / (BRAKING * acceleration_at(speed))
+    step(reference, target, speed)
+    for _ in range(round((way / speed + 4 * fastest + 6) / PERIOD)):
         place, before = reference.position, reference.velocity
         step(reference, target, speed)
         assert change(reference.velocity, before) <= most
-        assert distance(reference.position, place) <= reference.velocity.norm() * PERIOD + 1e-9
-        assert reference.velocity.norm() <= max(speed, before.norm()) + 1e-9
+        # It says how it moves until the next period.
+        moved = distance(reference.position, place)
+        assert moved == pytest.approx(before.norm() * PERIOD, abs=1e-9)
+        assert reference.velocity.norm() <= fastest + 1e-9
     assert distance(reference.position, target) < 1e-6
     assert reference.velocity.norm() < 1e-6
 
@@ -86,20 +99,25 @@ def test_targets_and_speeds_that_change_on_the_way_make_no_jump(
 ) -> None:
     reference = Reference(STILL, STILL)
     most = sqrt(2) * ACCELERATION * PERIOD + 1e-9
+    fastest = 0.0
     for target, speed, periods in wishes:
+        fastest = max(fastest, speed)
         for _ in range(periods):
-            before = reference.velocity
+            before, led = reference.velocity, reference.acceleration
             step(reference, target, speed)
             assert change(reference.velocity, before) <= most
-            assert reference.velocity.norm() <= max(speed, before.norm()) + 1e-9
+            assert reference.velocity.norm() <= fastest + 1e-9
+            # Nor does its acceleration.
+            assert change(reference.acceleration, led) <= 2 * most / PERIOD / SMOOTHING
 
 
 def test_a_stop_is_even_and_takes_the_way_it_should() -> None:
     reference = Reference(STILL, Point(2.0, 0.0, 0.0))
-    for _ in range(60):
+    for _ in range(80):
         reference.stop(follow(reference), PERIOD)
     assert reference.velocity == STILL
-    assert reference.position == pytest.approx((2**2 / (2 * ACCELERATION), 0, 0), abs=0.03)
+    way = 2**2 / (2 * ACCELERATION) + 2 * SMOOTHING * PERIOD / 2
+    assert reference.position == pytest.approx((way, 0, 0), abs=0.06)
 
 
 def test_it_waits_for_a_vehicle_that_does_not_follow() -> None:
@@ -129,8 +147,8 @@ def test_what_moves_it_off_its_line_goes_first() -> None:
     reference = Reference(STILL, Point(0.0, 0.0, 0.2))
     for _ in range(80):
         step(reference, Point(20.0, 0.0, 0.0), 2.0)
-    # v²/2a, and not the longer way of a common limit for both directions.
-    assert reference.position.z < 0.2**2 / (2 * ACCELERATION) + 0.001
+    # v²/2a, and not the longer way of a common limit for both directions; smoothly.
+    assert reference.position.z < 0.2**2 / (2 * ACCELERATION) + 0.2 * SMOOTHING * PERIOD / 2
 
 
 HERE, AHEAD = Point(0.0, 0.0, 2.0), Point(0.0, 9.0, 2.0)

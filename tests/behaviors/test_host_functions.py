@@ -61,7 +61,7 @@ def logged(rig: Rig) -> str:
 def test_a_profile_is_taken_whole_and_single_limits_go_over_it() -> None:
     rig = call("{limits: {profile: indoor, max_altitude: 3 m}}")
     assert logged(rig) == ""
-    assert (rig.vehicle.limits["max_speed"], rig.vehicle.limits["max_altitude"]) == (1.0, 3.0)
+    assert (rig.vehicle.limits.max_speed, rig.vehicle.limits.max_altitude) == (1.0, 3.0)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_a_profile_is_taken_whole_and_single_limits_go_over_it() -> None:
 def test_a_refused_limit_is_an_error_of_the_mission(action: str, told: str) -> None:
     rig = call(action)
     assert told in logged(rig)
-    assert rig.vehicle.limits["max_speed"] == 5.0
+    assert rig.vehicle.limits.max_speed == 5.0
 
 
 def test_what_the_vehicle_refuses_is_an_error_too() -> None:

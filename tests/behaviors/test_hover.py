@@ -34,9 +34,9 @@ def test_it_brakes_gently_along_its_way_and_stays_where_that_ends() -> None:
         setpoint = solo.step()
         assert isinstance(setpoint, Position) and setpoint.velocity is not None
         speeds.append(setpoint.velocity.x)
-    # v²/2a at 2 m/s².
-    assert vehicle.position == pytest.approx((began.x + 1.0, 0, 3), abs=0.06)
-    assert speeds[0] == pytest.approx(1.95)
+    # v²/2a at 2 m/s², and half of the smoothing's 0.6 s.
+    assert vehicle.position == pytest.approx((began.x + 1.6, 0, 3), abs=0.06)
+    assert speeds[0] == pytest.approx(2.0, abs=0.01)
     assert all(later <= sooner for sooner, later in pairwise(speeds))
     assert speeds[-1] == 0
 

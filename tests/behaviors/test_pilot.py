@@ -509,3 +509,28 @@ states:
     rig.run(60)
     assert rig.pilot.outcome == "done"
     assert [fields["text"] for kind, fields in rig.records if kind == "log"] == ["near"]
+
+
+@pytest.mark.parametrize(
+    "go",
+    [
+        "goto, with: {to: {x: 3, y: 4, above_ground: 4 m}}",
+        "goto, live: {to: {x: 3, y: $vehicle.altitude, above_ground: 4 m}}",
+        "route, with: {points: [[1, 2, 3], {at: {x: 3, above_ground: 4 m}, speed: 1 m/s}]}",
+        "hover, with: {heading: {face: {x: 3, above_ground: 0}}}",
+    ],
+)
+def test_heights_above_ground_need_a_vehicle_that_knows_it(go: str) -> None:
+    text = f"""
+mission: high
+states:
+  go: {{do: {go}, on: {{"*": finish}}}}
+  finish: {{type: final}}
+"""
+    with pytest.raises(UserError) as refused:
+        Rig(text)
+    (fault,) = refused.value.faults
+    assert fault.code == "missing-capability" and "needs 'terrain'" in fault.message
+    session = FakeSession()
+    session.vehicles["drone"].capabilities |= {"terrain"}
+    Rig(text, session=session)

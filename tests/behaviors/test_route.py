@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import cos, pi, sin
 from typing import Any
 
 import pytest
 
+from hal.limits import Limits
 from tests.behaviors.flying import Rig, Solo
 from vencejo.geometry import Point, distance
 
@@ -127,8 +128,9 @@ def test_its_progress_is_known_from_the_first_step_on() -> None:
     progress = solo.activity.progress()
     assert [fields["index"] for _, fields in solo.events] == [0]
     assert progress["index"] == 1
-    assert progress["leg"]["target"] == list(points[1])
-    assert (progress["leg"]["nearest"], progress["leg"]["no_nearer"]) == (None, 0.0)
+    watch = progress["way"]["watch"]
+    assert watch["target"] == list(points[1])
+    assert (watch["nearest"], watch["no_nearer"]) == (9.0, 0.0)
 
 
 def test_progress_beyond_the_route_is_its_end() -> None:
@@ -168,3 +170,89 @@ states:
     ]
     assert reached == [0, 1, 2]
     assert rig.states.count("work.fly") == 2
+
+
+def circle(radius: float, count: int) -> list[Point]:
+    """Points of a circle through the start, close to each other."""
+    angles = [2 * pi * k / count for k in range(1, count + 1)]
+    return [Point(radius * sin(a), radius * (1 - cos(a)), 3.0) for a in angles]
+
+
+@pytest.mark.parametrize("speed", [2.0, 3.0])
+def test_points_close_to_each_other_are_flown_at_the_speed_asked_for(speed: float) -> None:
+    solo = Solo("route", {"points": circle(6.0, 32), "speed": speed})
+    speeds = []
+    while solo.run(0.025) is None:
+        speeds.append(solo.vehicle.observe().velocity.norm())
+    cruising = speeds[100:-100]
+    assert solo.word == "done" and len(solo.events) == 32
+    assert max(speeds) <= speed * 1.001
+    assert min(cruising) > 0.97 * speed
+
+
+def test_more_points_than_periods_are_all_reached() -> None:
+    points = [Point(0.02 * k, 0.0, 3.0) for k in range(1, 301)]
+    solo = Solo("route", {"points": points, "speed": 3.0, "tolerance": 0.02})
+    solo.run(20)
+    assert solo.word == "done"
+    assert [fields["index"] for _, fields in solo.events] == list(range(300))
+
+
+def test_a_corner_is_passed_within_its_tolerance_without_a_stop() -> None:
+    for tolerance in (0.1, 0.5, 2.0):
+        solo = Solo("route", {"points": CORNERS, "tolerance": tolerance})
+        track, slowest = [], 9.0
+        while solo.run(0.025) is None:
+            track.append(solo.vehicle.position)
+            if nearest(track[-1:], CORNERS[0]) < 0.5:
+                slowest = min(slowest, solo.vehicle.observe().velocity.norm())
+        assert nearest(track, CORNERS[0]) <= tolerance
+        assert slowest > 0.2
+        assert solo.time < 12.0
+
+
+def test_the_way_back_is_a_stop_and_not_an_arc() -> None:
+    there, back = Point(5.0, 0.0, 3.0), Point(0.0, 0.0, 3.0)
+    solo = Solo("route", {"points": [there, there, back]})
+    track = fly(solo)
+    assert solo.word == "done" and len(solo.events) == 3
+    assert nearest(track, there) < 0.01
+    assert all(place[1:] == pytest.approx((0, 3)) for place in track)
+
+
+def test_a_point_that_the_wind_kept_it_from_is_flown_back_to() -> None:
+    solo = Solo(
+        "route", {"points": [Point(4.0, 0.0, 3.0), Point(12.0, 0.0, 3.0)], "tolerance": 0.1}
+    )
+    solo.vehicle.wind = Point(0.0, 4.5, 0.0)
+    solo.run(3)
+    assert solo.vehicle.position.x > 4.2 and solo.events == []
+    solo.vehicle.wind = Point(0.0, 0.0, 0.0)
+    track = fly(solo)
+    assert solo.word == "done"
+    assert [fields["index"] for _, fields in solo.events] == [0, 1]
+    assert nearest(track, Point(4.0, 0.0, 3.0)) <= 0.1
+
+
+def test_tolerances_of_height_and_place_are_apart() -> None:
+    points = [Point(4.0, 0.0, 3.0), Point(8.0, 0.0, 3.0)]
+    for vertical, word in ((0.1, None), (0.5, "done")):
+        solo = Solo("route", {"points": points, "tolerance": 0.6, "tolerance_vertical": vertical})
+        solo.vehicle.configure(Limits(max_altitude=2.6))
+        solo.run(10)
+        assert solo.word == word
+
+
+def test_it_brakes_before_it_begins_where_it_moves() -> None:
+    moving = Solo("move", {"forward": 2.0, "left": 0.0})
+    moving.run(3)
+    here = moving.vehicle.position
+    solo = Solo(
+        "route", {"points": [here.plus((0, 5, 0))]}, vehicle=(moving.session, moving.vehicle)
+    )
+    before = moving.vehicle.observe().velocity
+    while solo.run(0.025) is None:
+        velocity = solo.vehicle.observe().velocity
+        assert distance(velocity, before) < 0.08
+        before = velocity
+    assert solo.word == "done"

@@ -27,6 +27,10 @@ from vencejo.geometry import Point
             Position(Point(0, 0, 1), [1, 0, 0], 2, 3),  # type: ignore[arg-type]
             Position(Point(0.0, 0.0, 1.0), Point(1.0, 0.0, 0.0), 2.0, 3.0),
         ),
+        (
+            Position(Point(0, 0, 1), acceleration=(1, 0, 2)),  # type: ignore[arg-type]
+            Position(Point(0.0, 0.0, 1.0), acceleration=Point(1.0, 0.0, 2.0)),
+        ),
         (Attitude(1, 0, 0, 1, unit="share"), Attitude(1.0, 0.0, 0.0, 1.0, unit="share")),
         (Hold(), Hold()),
     ],
@@ -53,6 +57,7 @@ def test_its_numbers_become_plain(given_: Any, plain: Any) -> None:
         (Position(3), TypeError, "xyz is a Point of three numbers, not an int"),
         (Position(Point(0.0, "a", 0.0)), TypeError, "xyz must be a number"),
         (Position(Point(0.0, 0.0, 0.0), velocity=1.0), TypeError, "velocity is a Point"),
+        (Position(Point(0.0, 0.0, 0.0), acceleration=1.0), TypeError, "acceleration is a Point"),
         (Position(Point(0.0, 0.0, 0.0), yaw="keep"), TypeError, "yaw must be a number"),
         (Attitude(unit="deg"), ValueError, "unit is si or share, not 'deg'"),
         (Attitude(thrust="full"), TypeError, "thrust must be a number"),

@@ -89,7 +89,7 @@ def test_everything_is_there_at_every_size(columns: int, rows: int) -> None:
         assert re.search(r"^▶ square.north [0-2]\.\d s$", screen, re.MULTILINE)
         assert re.search(r"^  ▶ north  goto  [0-2]\.\d s", screen, re.MULTILINE)
         assert terminal.colors_of("▶ north") == {"green"}
-        assert " 0:05.3  → square.north (done)" in screen
+        assert " 0:05.7  → square.north (done)" in screen
         assert rows == 15 or terminal.lines.index("─" * columns) >= rows - 11, "it is filled"
         title = terminal.row_of("north up") if rows > 15 else None
         if title is not None:
@@ -103,7 +103,7 @@ def test_everything_is_there_at_every_size(columns: int, rows: int) -> None:
             braille = {c for line in map_ for c in line if 0x2800 < ord(c) < 0x2900}
             assert len(braille) > 5, "the outlines of the world, and the path"
 
-    watch(terminal, first_flight(), {6.0: look})
+    watch(terminal, first_flight(), {7.0: look})
 
 
 def test_the_map_takes_the_room_there_is() -> None:

@@ -185,7 +185,7 @@ def test_set_points_are_drawn_beside_what_was_flown(distance: str, tmp_path: Pat
     image = cv2.imread(str(folder / "flight.png"))
     gray = (abs(image.astype(int) - 90) < 15).all(axis=2)
     above, speed, battery = gray[64:590, 60:586], gray[294:410, 654:1260], gray[444:500, 654:1260]
-    assert above.any() and speed.sum() > 10
+    assert above.any() and speed.sum() > 5
     assert not battery.any(), "nobody commands a charge"
 
 

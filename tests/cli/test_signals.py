@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -32,11 +33,13 @@ OWN_WAY = LONG.replace("{60 s: down}", "{60 s: down}, on: {operator.abort: down}
 
 
 @contextmanager
-def flying(mission: str, tmp_path: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """drone-cli in flight: its state `stay` has been entered."""
+def flying(
+    mission: str, tmp_path: Path, *options: str, file: str = "m.yaml"
+) -> Iterator[subprocess.Popen[str]]:
+    """drone-cli in flight: a state `stay` has been entered."""
     (tmp_path / "m.yaml").write_text(mission)
     process = subprocess.Popen(
-        [*COMMAND, "run", "m.yaml", "--speed", "4", *options],
+        [*COMMAND, "run", file, "--speed", "4", *options],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,
@@ -70,8 +73,8 @@ def kinds(tmp_path: Path) -> list[dict[str, object]]:
     return [json.loads(line) for line in lines[1:]]
 
 
-def landed(tmp_path: Path) -> bool:
-    last = (run_folder(tmp_path) / "telemetry.csv").read_text().splitlines()[-1].split(",")
+def landed(tmp_path: Path, telemetry: str = "telemetry.csv") -> bool:
+    last = (run_folder(tmp_path) / telemetry).read_text().splitlines()[-1].split(",")
     return last[-2] == "landed" and abs(float(last[4])) < 0.05
 
 
@@ -94,6 +97,21 @@ def test_ctrl_c_once_is_the_missions_to_handle(tmp_path: Path) -> None:
     assert process.returncode == 130
     assert "→ down" in out
     assert landed(tmp_path)
+
+
+def test_ctrl_c_lands_all_vehicles_of_a_fleet(tmp_path: Path) -> None:
+    fleet = "fleet: f\nvehicles: {cat: {mission: m.yaml}, dog: {mission: m.yaml}, lamp: {}}\n"
+    (tmp_path / "f.yaml").write_text(fleet)
+    with flying(LONG, tmp_path, file="f.yaml") as process:
+        process.send_signal(signal.SIGINT)
+        out, _ = ended(process)
+    assert process.returncode == 130
+    for name in ("cat", "dog"):
+        assert re.search(rf" {name} +nobody handles operator.abort: landing\n", out)
+    assert all(landed(tmp_path, f"telemetry/{name}.csv") for name in ("cat", "dog", "lamp"))
+    summary = json.loads((run_folder(tmp_path) / "summary.json").read_text())
+    outcomes = {name: flown["outcome"] for name, flown in summary["vehicles"].items()}
+    assert outcomes == dict.fromkeys(("cat", "dog", "lamp"), "aborted")
 
 
 def test_ctrl_c_twice_lands_past_the_mission(tmp_path: Path) -> None:

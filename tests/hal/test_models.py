@@ -90,6 +90,11 @@ def test_the_ar_drone_is_what_it_was() -> None:
     assert model.cameras["ventral"].tilt == pytest.approx(pi / 2)
 
 
+def test_a_model_tells_of_the_wind_if_its_autopilot_does() -> None:
+    estimating = {name for name in SHIPPED if "wind" in backend_capabilities("sim", name)}
+    assert estimating == {"ardrone2", "f450"}
+
+
 def test_the_450_class_frame_may_tilt_far_and_the_crazyflie_sees_nothing() -> None:
     f450, crazyflie = load_model("f450"), load_model("crazyflie")
     assert f450.max_tilt >= radians(35) and not f450.one_active_camera

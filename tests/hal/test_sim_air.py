@@ -8,13 +8,15 @@ import pytest
 
 from hal.sim import open_session
 from hal.sim.downwash import downwash
-from hal.sim.model import AIR_DENSITY, ARDRONE2
-from hal.vehicle import PERIOD, Attitude, Observation, Options, Position
+from hal.sim.model import AIR_DENSITY
+from hal.sim.model_files import load_model
+from hal.vehicle import PERIOD, Attitude, Observation, Options, Position, VehicleSpec
 from tests.hal.flying import LONG, hovering, named, session_of, take_off, wait
 from vencejo.geometry import Point, Quaternion, distance
 from worlds.loader import read_world
 
 WEST = "3m/s@270deg"
+ARDRONE2 = load_model("ardrone2")
 DRAG = "ideal,+drag"
 STILL = Point(0.0, 0.0, 0.0)
 
@@ -71,6 +73,15 @@ def test_it_estimates_the_wind_behind_a_low_pass_of_a_second() -> None:
         wind = seen[round(second / PERIOD) - 1].wind
         assert wind == pytest.approx((3.0 * (1 - exp(-second)), 0.0, 0.0))
     assert seen[-1].wind == pytest.approx((3.0, 0.0, 0.0), abs=2e-3)
+
+
+def test_a_model_that_estimates_none_tells_none_and_is_blown_at_all_the_same() -> None:
+    drones = (VehicleSpec("drone", "crazyflie"),)
+    with open_session(Options(drones, settings={"wind": WEST})) as session:
+        vehicle = take_off(session)
+        seen = vehicle.observe()
+    assert seen.wind is None and "wind" not in vehicle.capabilities
+    assert tilt(seen.attitude) > 0.03
 
 
 def test_the_wind_of_a_run_takes_the_place_of_the_world_s() -> None:

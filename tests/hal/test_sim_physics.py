@@ -268,17 +268,31 @@ def test_a_vehicle_may_have_a_start_of_its_own() -> None:
     assert [each.yaw for each in seen] == pytest.approx([0, pi / 2, 0], abs=1e-4)
 
 
+def test_a_start_that_is_taken_is_given_to_nobody_else() -> None:
+    taken = VehicleSpec("mouse", start=Start(Point(2.3, 0.0, 0.0), 0.0))
+    with open_session(Options((VehicleSpec("cat"), VehicleSpec("dog"), taken))) as session:
+        session.wait()
+        seen = [vehicle.observe() for vehicle in session.vehicles.values()]
+    assert [each.home for each in seen] == [(0, 0, 0), (4, 0, 0), (2.3, 0, 0)]
+
+
 @pytest.mark.parametrize(
-    ("at", "code"),
+    ("places", "code"),
     [
-        (Point(0.0, 0.5, 0.0), "starts-overlap"),
-        (Point(9.0, 0.0, -1.0), "start-in-ground"),
+        ([Point(0.0, 0.0, 0.0), Point(0.0, 0.5, 0.0)], "starts-overlap"),
+        ([Point(9.0, 0.0, -1.0)], "start-in-ground"),
     ],
 )
-def test_starts_where_nothing_can_stand_are_refused(at: Point, code: str) -> None:
+def test_starts_where_nothing_can_stand_are_refused(places: list[Point], code: str) -> None:
+    vehicles = [VehicleSpec(f"v{n}", start=Start(at, 0.0)) for n, at in enumerate(places)]
     with pytest.raises(UserError) as caught:
-        open_session(Options((VehicleSpec("cat"), VehicleSpec("mouse", start=Start(at, 0.0)))))
+        open_session(Options(tuple(vehicles)))
     assert [fault.code for fault in caught.value.faults] == [code]
+
+
+def test_two_may_start_one_above_the_other() -> None:
+    low, high = (VehicleSpec(n, start=Start(Point(0, 0, z), 0)) for n, z in (("a", 0), ("b", 2)))
+    open_session(Options((low, high))).__exit__()
 
 
 def test_the_world_may_say_where_on_the_earth_it_is(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from worlds.wind import TURBULENCE
 from worlds.world import Gusts, Wind
 
 ARDRONE2 = load_model("ardrone2")
+ARDRONE2 = load_model("ardrone2")
 STILL = (0.0, 0.0, 0.0)
 GUST = Gusts(to=9.0, duration=4.0, every=20.0, at=(10.0,))
 place = st.tuples(*[st.floats(-100, 100)] * 3)

@@ -12,8 +12,10 @@ import pytest
 from behaviors import drone_vocabulary, load_all
 from fsm import compile_mission, read_mission_text
 from hal import Limits, flight_model
-from runner import missions, prepare
+from runner import missions, prepare, prepare_fleet
+from runner.fleets import check_ways
 from runner.geometry import Findings, Terms, check_geometry
+from tests.missions.shipped import FLEETS, MISSIONS
 from vencejo.errors import Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
@@ -239,7 +241,7 @@ def test_a_leg_farther_than_the_battery_lasts_is_told_with_the_point_of_no_retur
     findings = checked(to("[2000, 20, 400]"))
     (fault,) = findings.faults
     assert (fault.code, str(fault.where)) == ("beyond-battery", "m.yaml:6:29")
-    assert "critical after 1219 m of 2039 m" in fault.message
+    assert "critical after 1217 m of 2039 m" in fault.message
     assert fault.hint is not None and fault.hint.startswith("the point of no return is [7")
 
 
@@ -369,11 +371,17 @@ def test_a_plan_that_is_wrong_is_told_and_what_it_flies_unknown(
     assert findings.unknown[0] == "go"
 
 
-@pytest.mark.parametrize("name", sorted(set(missions.names()) - {"fleet_dance", "handover"}))
+@pytest.mark.parametrize("name", MISSIONS)
 def test_nothing_is_told_of_the_shipped_missions(name: str) -> None:
     prepared = prepare(missions.find(name))
     findings = check_geometry(prepared.graph, prepared.world, SIM)
     assert findings == Findings((), (), (), True)
+
+
+@pytest.mark.parametrize("name", FLEETS)
+def test_nothing_is_told_of_the_shipped_fleets(name: str) -> None:
+    fleet = prepare_fleet(missions.find(name))
+    assert check_ways(fleet.assignments, SIM).faults == ()
 
 
 REGION = (
@@ -399,3 +407,37 @@ def test_the_time_is_bounded_however_many_ways_there_are() -> None:
     findings = checked(text, find_world("forest:3"))
     assert process_time() - began < 4.0  # about one second on an idle machine
     assert not findings.complete
+
+
+EIGHT = """go:
+    do: follow_path
+    with: {{shape: figure_eight, length: 4 m, width: 2 m, speed: {speed}}}
+    on: {{done: home, blocked: land}}"""
+
+
+def test_a_path_that_needs_more_tilt_than_the_vehicle_has_is_told() -> None:
+    assert codes(checked(flight(EIGHT.format(speed="2 m/s")))) == []
+    found = checked(flight(EIGHT.format(speed="3 m/s")))
+    assert codes(found) == ["slower-than-asked"]
+    assert "flies its path at 2.2 m/s, not at 3 m/s" in only(found)
+    tilted = Terms(SIM.model, Limits(max_tilt=0.6))
+    assert codes(checked(flight(EIGHT.format(speed="3 m/s")), terms=tilted)) == []
+    slow = Terms(SIM.model, Limits(max_speed=1.0))
+    assert codes(checked(flight(EIGHT.format(speed="2 m/s")), terms=slow)) == ["slower-than-asked"]
+
+
+def test_points_above_ground_are_held_against_the_hill(tmp_path: Path) -> None:
+    (tmp_path / "hill.yaml").write_text(
+        "world: hill\nground: {terrain: {size: 40 m, heights: "
+        "[[0, 0, 0, 0, 0], [0, 4, 4, 4, 0], [0, 4, 4, 4, 0], [0, 4, 4, 4, 0], [0, 0, 0, 0, 0]]}}\n"
+        "start: {at: [-30, 0]}\n"
+    )
+    world = find_world(str(tmp_path / "hill.yaml"))
+    assert codes(checked(to("{x: 30, y: 0, z: 3}"), world)) == ["below-ground"]
+    assert codes(checked(to("{x: 30, y: 0, above_ground: -1}"), world)) == ["below-ground"]
+    high = flight(
+        "go: {do: goto, with: {to: {z: 7}}, on: {done: over, blocked: land}}\n"
+        "  over: {do: goto, with: {to: {x: 30, y: 0, above_ground: 3}}, "
+        "on: {done: finish, blocked: land}}"
+    )
+    assert codes(checked(high, world)) == []

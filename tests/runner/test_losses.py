@@ -124,7 +124,7 @@ def test_a_limit_of_the_run_that_the_vehicle_refuses(
     summary = fly(Plan(both, profile="indoor", limits=Limits(max_speed=0.5)))
     assert summary.exit_code == 0
     for vehicle in opened[-1].vehicles.values():
-        assert (vehicle.limits["max_altitude"], vehicle.limits["max_speed"]) == (2.5, 0.5)
+        assert (vehicle.limits.max_altitude, vehicle.limits.max_speed) == (2.5, 0.5)
 
 
 def test_a_vehicle_that_is_not_heard_keeps_the_flight_from_starting(
