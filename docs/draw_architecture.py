@@ -44,6 +44,8 @@ NAME_SIZE, TEXT_SIZE, LINE, PAD = 13.0, 11.0, 15.0, 14.0
 PART_HEIGHT, PART_PAD, ROW_HEIGHT = 26.0, 9.0, 64.0
 HEAD, SPREAD = 8.0, 10.0
 """The length of an arrow's head, and the distance of arrows that meet at a box."""
+_SHORT = 5
+"""Columns of a row of which every order is tried."""
 CROSSING = 3.0
 """What a crossing of two arrows costs, in columns that an arrow leads sideways."""
 
@@ -162,12 +164,22 @@ def arrange(edges: Edges) -> Rows:
         tried = [
             [*rows[:row], list(order), *rows[row + 1 :]]
             for row in range(len(rows))
-            for order in permutations(rows[row])
+            for order in _orders(rows[row])
         ]
         best = min(tried, key=lambda rows: _cost(rows, ways))
         if _cost(best, ways) >= _cost(rows, ways):
             return rows
         rows = best
+
+
+def _orders(row: Sequence[Column]) -> Iterator[Sequence[Column]]:
+    """Orders of a row to be tried: all of a short one, else those with one column elsewhere."""
+    if len(row) <= _SHORT:
+        yield from permutations(row)
+        return
+    for column in row:
+        rest = [each for each in row if each != column]
+        yield from ([*rest[:k], column, *rest[k:]] for k in range(len(row)))
 
 
 def _height(edges: Edges, name: str) -> int:
