@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from math import dist, isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 from behaviors import UNKNOWN, Calls, CodeFailed, MissionFrame, PlannedLeg, PlanStart
 from behaviors.plan import NotKnown, Unknown
@@ -42,9 +42,8 @@ class Setting:
     """The limits of flight, as far as they are known."""
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Where the vehicle may be."""
+class Place(NamedTuple):
+    """Where the vehicle may be; a tuple, in whose comparison what is unknown equals itself."""
 
     points: tuple[Point, ...]
     """Mission frame; none where it is not known."""

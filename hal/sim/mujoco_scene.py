@@ -7,6 +7,9 @@ from itertools import product
 from math import ceil, dist
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
+from hal.sim.convex_parts import convex_parts
 from hal.sim.hills import Ridge, ridges
 from hal.sim.physics import GRAVITY, STEP, Triple
 from hal.sim.pieces import Piece
@@ -176,16 +179,23 @@ class MujocoScene(Generic[Owner]):
             self._add_mesh(body, shape, owner, place)
 
     def _add_mesh(self, body: Any, mesh: Mesh, owner: Owner, place: dict[str, Any]) -> None:
-        """Add a mesh: rays meet its triangles, bodies its convex parts."""
+        """Add a mesh: rays meet its triangles, bodies the convex parts of it."""
+        seen = self._asset_of(mesh.vertices, mesh.faces)
+        kind = {"type": self._mj.mjtGeom.mjGEOM_MESH}
+        self._add(body, owner, meshname=seen, **kind, **(place | {"contype": 0}))
+        for corners in convex_parts(mesh):
+            part = self._asset_of(corners)
+            self._add(body, owner, meshname=part, **kind, **place, group=HIDDEN)
+
+    def _asset_of(self, vertices: Any, faces: Any = ()) -> str:
+        """The name of a new mesh; without faces it is the convex hull of its vertices."""
         asset = self._spec.add_mesh(name=self._asset())
-        asset.uservert, asset.userface = mesh.vertices.ravel(), mesh.faces.ravel()
-        self._add(
-            body,
-            owner,
-            type=self._mj.mjtGeom.mjGEOM_MESH,
-            meshname=asset.name,
-            **place,
-        )
+        asset.uservert = np.ravel(vertices)
+        if len(faces):
+            asset.userface = np.ravel(faces)
+        asset.inertia = self._mj.mjtMeshInertia.mjMESH_INERTIA_SHELL
+        name: str = asset.name
+        return name
 
     def _add(self, body: Any, owner: Owner, **shape: Any) -> Any:
         usual = {"conaffinity": 0, "group": VISIBLE, "friction": (_FRICTION, 0.0, 0.0)}
