@@ -55,6 +55,8 @@ class Dynamics:
         self._read_state, self._push = self.body.state, self.body.push
         self.wind: Triple = (0.0, 0.0, 0.0)
         """Velocity of the air about it in this mission period, m/s, world frame."""
+        self.velocity_before: Triple = (0.0, 0.0, 0.0)
+        """Before the last physics step, m/s, world frame."""
         self.free = False
         """True in a mission period of free flight."""
         self._motors_run = False
@@ -127,10 +129,13 @@ class Dynamics:
     def drive(self) -> None:
         """Apply the forces of the next physics step; in free flight, make it."""
         state = self.state
+        self.velocity_before = state[2]
         axes = axes_of(state[1])
         thrust = x = y = z = fx = fy = fz = 0.0
         if self._motors_run:
             thrust, x, y, z = self._rotate(self._control(state, axes))
+            if self._drive.excess:
+                self.controller.expect(self._drive.excess, axes)
             self._thrust_sum += thrust
             fz = thrust * self._ground_effect
         elif self._supported:

@@ -63,9 +63,12 @@ class SimSession:
         models = [load_model(spec.model or world.model or DEFAULT) for spec in options.vehicles]
         starts = start_poses(world, options.vehicles, [model.size for model in models])
         physics.add_things(world.things, world.ground.terrain)
-        obstacles = ObstacleHeightGrid(
-            world.things, world.ground.terrain, max(model.reach for model in models)
-        )
+        # One for each reach: where it may touch something is no matter of the other vehicles.
+        obstacles = {
+            reach: ObstacleHeightGrid(world.things, world.ground.terrain, reach)
+            for reach in {model.reach for model in models}
+        }
+        moved: dict[str, Dynamics] = {}
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
         alone = len(options.vehicles) == 1
         self._has_movers = any(thing.motion is not None for thing in world.things)
@@ -80,7 +83,7 @@ class SimSession:
         self._all: list[SimVehicle] = []
         for spec, model, start in zip(options.vehicles, models, starts, strict=True):
             name = spec.name
-            dynamics = Dynamics(name, physics, model, settings.physics, start)
+            dynamics = moved[name] = Dynamics(name, physics, model, settings.physics, start)
             vehicle = SimVehicle(
                 name,
                 dynamics,
@@ -88,7 +91,13 @@ class SimSession:
                 home=start.home,
                 battery=Battery(model.battery, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
-                contacts=ContactTracker(physics, dynamics.body, model, obstacles),
+                contacts=ContactTracker(
+                    physics,
+                    dynamics.body,
+                    model,
+                    obstacles[model.reach],
+                    lambda other: moved[other].velocity_before,
+                ),
             )
             self._all.append(vehicle)
         self._air = _air_of(world, settings, self._all, options.seed)
