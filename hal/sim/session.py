@@ -159,7 +159,7 @@ class SimSession:
         free = all(vehicle.dynamics.free for vehicle in vehicles)
         if free and not self._senses and not self._has_movers:
             for vehicle in vehicles:
-                vehicle.dynamics.fly()
+                vehicle.dynamics.drive(STEPS_PER_PERIOD)
         else:
             self._step_by_step(self._physics.step)
         self._count += 1
