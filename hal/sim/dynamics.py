@@ -30,7 +30,13 @@ class Dynamics:
     """
 
     def __init__(
-        self, name: str, physics: Physics, model: Model, effects: Effects, start: StartPose
+        self,
+        name: str,
+        physics: Physics,
+        model: Model,
+        effects: Effects,
+        start: StartPose,
+        pose_history: PoseHistory,
     ) -> None:
         self._model, self.effects = model, effects
         self.rotors = model.rotors
@@ -43,7 +49,7 @@ class Dynamics:
             name,
         )
         self.state: BodyState = self.body.state()
-        self.pose_history = PoseHistory()
+        self.pose_history = pose_history
         self._add_pose = self.pose_history.append
         self._add_pose(self.state)
         lag = model.rotors.time_constant if effects.rotors else 0.0
