@@ -20,6 +20,9 @@ _SPINS = 10.0
 method, which lengthens it a little at each step, would make a spin faster and faster."""
 _ROUNDS = 3
 """Rounds in which the angular velocity in the middle of such a step is found."""
+_FALL = GRAVITY * STEP
+"""The velocity that gravity gives in a step, m/s."""
+_HALF = STEP / 2
 Axes = tuple[float, float, float, float, float, float, float, float, float]
 """The rotation from body to world, row by row; its columns are the body's axes in the world."""
 
@@ -68,8 +71,9 @@ class Motion:
 
     def __init__(self, model: Model) -> None:
         self._per_mass = STEP / model.mass
-        self._inertia = model.inertia
-        ix, iy, iz = model.inertia
+        self._inertia = ix, iy, iz = model.inertia
+        self._precession = iz - iy, ix - iz, iy - ix
+        """What the angular velocity about two axes turns it by about the third, kg·m²."""
         self._per_inertia = (STEP / ix, STEP / iy, STEP / iz)
 
     def step(self, state: BodyState, axes: Axes, force: Triple, torque: Triple) -> BodyState:
@@ -83,9 +87,9 @@ class Motion:
         per_mass = self._per_mass
         vx += (a * fx + b * fy + c * fz) * per_mass
         vy += (d * fx + e * fy + f * fz) * per_mass
-        vz += (g * fx + h * fy + i * fz) * per_mass - GRAVITY * STEP
+        vz += (g * fx + h * fy + i * fz) * per_mass - _FALL
 
-        ix, iy, iz = self._inertia
+        about_x, about_y, about_z = self._precession
         per_x, per_y, per_z = self._per_inertia
         tx, ty, tz = torque
         if wx * wx + wy * wy + wz * wz > _SPINS * _SPINS:
@@ -93,14 +97,14 @@ class Motion:
             wx, wy, wz = wx + tx * per_x, wy + ty * per_y, wz + tz * per_z
         else:
             wx, wy, wz = (
-                wx + (tx - (iz - iy) * wy * wz) * per_x,
-                wy + (ty - (ix - iz) * wz * wx) * per_y,
-                wz + (tz - (iy - ix) * wx * wy) * per_z,
+                wx + (tx - about_x * wy * wz) * per_x,
+                wy + (ty - about_y * wz * wx) * per_y,
+                wz + (tz - about_z * wx * wy) * per_z,
             )
 
         # The turn of the step as a quaternion, by the series of sine and cosine of half its angle;
         # the next power is below 1e-8 at 20 rad/s.
-        hx, hy, hz = wx * (STEP / 2), wy * (STEP / 2), wz * (STEP / 2)
+        hx, hy, hz = wx * _HALF, wy * _HALF, wz * _HALF
         square = hx * hx + hy * hy + hz * hz
         sine = 1.0 - square * (1 / 6 - square / 120)
         cosine = 1.0 - square * (0.5 - square / 24)
