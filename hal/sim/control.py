@@ -40,6 +40,9 @@ _YAW_STOPPED = 0.05
 """Turn rate below which a turn has ended and the heading is held, rad/s."""
 _LEAST_UP = 1.0
 """Least vertical part of the thrust over the mass, m/s²: without any it has no direction."""
+_LEAST_LIFT = 0.3
+"""Vertical acceleration that the largest thrust leaves at the largest tilt, m/s²: where a battery
+sags, height goes before place."""
 _LEAST_COSINE = 0.5
 """Cosine of the tilt above which the load factor is no longer increased."""
 _NOTHING = (0.0, 0.0, 0.0)
@@ -61,7 +64,7 @@ class Controller:
         self._center_height = model.height
         self._mass = model.mass
         self.max_thrust = model.max_thrust
-        """Newtons."""
+        """Newtons (see :meth:`limit_thrust`)."""
         self._observes = False
         """True to estimate, in this mission period, the forces that are not the rotors'."""
         self._felt = self._felt_before = (0.0, 0.0, 0.0)
@@ -112,7 +115,17 @@ class Controller:
     @max_tilt.setter
     def max_tilt(self, tilt: float) -> None:
         self._max_tilt = tilt
-        self._max_tilt_tan = tan(tilt)
+        self._limit_tilt()
+
+    def limit_thrust(self, thrust: float) -> None:
+        """Set the largest thrust, newtons, and with it how far it can lean and keep its height."""
+        self.max_thrust = thrust
+        self._limit_tilt()
+
+    def _limit_tilt(self) -> None:
+        ratio = self.max_thrust / self._mass / (GRAVITY + _LEAST_LIFT)
+        carried = sqrt(ratio * ratio - 1.0) if ratio > 1.0 else 0.0
+        self._max_tilt_tan = min(tan(self._max_tilt), carried)
 
     # Targets.
 

@@ -112,7 +112,7 @@ class Dynamics:
         controller, effects = self.controller, self.effects
         if effects.sag:
             self._drive.share = voltage * voltage
-            controller.max_thrust = self._model.max_thrust * self._drive.share
+            controller.limit_thrust(self._model.max_thrust * self._drive.share)
         self._ground_effect = self._gain_at(height) if effects.ground_effect else 1.0
         controller.observe(not touched)
 

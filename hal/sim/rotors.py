@@ -11,6 +11,9 @@ from hal.sim.physics import STEP
 Wrench = tuple[float, float, float, float]
 """Thrust along the body's z (N), and torques about its x, y and z (N·m)."""
 
+_TILT_SHARE = 0.25
+"""Part of the rotors' range that tilt has in any case."""
+
 
 class Drive(Protocol):
     """What turns a wanted wrench into the one that acts, once each physics step."""
@@ -56,7 +59,7 @@ class RotorDrive:
 
     Where they cannot give everything, tilt goes before height, and height before yaw, as in
     M. Faessler et al., *Thrust mixing, saturation, and body-rate control for accurate aggressive
-    quadrotor flight*, RA-L 2017; but for the sake of tilt they never lift it.
+    quadrotor flight*, RA-L 2017; but for the sake of tilt they never lift it, and hardly drop it.
     """
 
     def __init__(self, model: Model) -> None:
@@ -83,8 +86,8 @@ class RotorDrive:
         spread = abs(roll) + abs(pitch)
         self.excess = 0.0
         if mean - spread - abs(yaw) < least or mean + spread + abs(yaw) > most:
-            highest = max(mean, self._carrying)
-            mean, roll, pitch, yaw = _saturated(mean, roll, pitch, yaw, (least, most, highest))
+            room = self._tilt_room(mean)
+            mean, roll, pitch, yaw = _saturated(mean, roll, pitch, yaw, (least, most, room))
             self.excess = 4 * mean - thrust
         a, b, c, d = self._thrusts
         follow, up, down = self._follow, mean + yaw, mean - yaw
@@ -101,6 +104,17 @@ class RotorDrive:
             (a - b + c - d) * ratio,
         )
 
+    def _tilt_room(self, mean: float) -> float:
+        """The largest share of tilt in a rotor's thrust, newtons, with a wanted mean thrust.
+
+        Tilt neither raises the mean above what carries the vehicle, nor, where a battery that sags
+        leaves little more than that, lowers it far below.
+        """
+        most, carrying = self._most * self.share, self._carrying
+        half = (most - self._least) / 2
+        above = max(_TILT_SHARE * half, most - min(mean, carrying))
+        return min(half, max(mean, carrying) - self._least, above)
+
     def stop(self) -> None:
         self._thrusts = (0.0, 0.0, 0.0, 0.0)
 
@@ -110,10 +124,10 @@ def _saturated(
 ) -> tuple[float, float, float, float]:
     """The shares of thrust, tilt and yaw in each rotor's thrust that its bounds allow.
 
-    ``bounds``: its least and its largest thrust, and the highest that their mean may be.
+    ``bounds``: its least and its largest thrust, and the largest share of tilt.
     """
-    least, most, highest = bounds
-    spread, room = abs(roll) + abs(pitch), min((most - least) / 2, highest - least)
+    least, most, room = bounds
+    spread = abs(roll) + abs(pitch)
     if spread > room:
         roll, pitch, spread = roll * room / spread, pitch * room / spread, room
     mean = max(least + spread, min(most - spread, mean))

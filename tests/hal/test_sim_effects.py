@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import atan, exp, pi, sqrt, tan
 
@@ -198,6 +199,17 @@ def test_a_low_battery_gives_less_thrust() -> None:
         most = MODEL.max_thrust * (sagged / pack.full) ** 2
         assert climbs[-1] * 40 < (most / WEIGHT - 1) * G * 1.15
         assert climbs[-1] * 40 < (MODEL.max_thrust / WEIGHT - 1) * G * 0.95
+
+
+@pytest.mark.parametrize("model", ["ardrone2", "crazyflie"])
+def test_a_low_battery_takes_off_and_lands_in_wind(model: str) -> None:
+    """Its thrust hardly carries it at its largest tilt: it leans less, and drifts."""
+    world = replace(world_of(), battery=0.05)
+    with sim_session(VehicleSpec("drone", model), world=world, wind="6 m/s@270 deg") as session:
+        vehicle = only(session)
+        finish(session, vehicle.takeoff(1.0), 6)
+        finish(session, vehicle.land(), 6)
+        assert vehicle.observe().mode == "landed" and not vehicle.observe().health
 
 
 # Rotors.
