@@ -218,7 +218,8 @@ class Planner:
         if wrong is not None:
             self._mistake(node, f"has a leg that is none: {wrong!r:.90}")
             return None
-        return tuple(legs)
+        # A heading from the start may be UNKNOWN, which is no value to compare.
+        return tuple(replace(x, yaw=None) if isinstance(x.yaw, Unknown) else x for x in legs)
 
     def _mistake(self, node: Node, what: str) -> None:
         assert node.invocation is not None

@@ -53,8 +53,11 @@ class Controller:
     Heights are those of the skids, as in everything that the simulator reports.
     """
 
-    def __init__(self, model: Model, lag: float = 0.0) -> None:
-        """``lag``: time constant of the rotors, seconds."""
+    def __init__(self, model: Model, lag: float = 0.0, *, observes: bool = False) -> None:
+        """``lag``: time constant of the rotors, seconds; ``observes``: whether to estimate the
+        forces that are not the rotors'.
+        """
+        self._estimates = observes
         self._center_height = model.height
         self._mass = model.mass
         self.max_thrust = model.max_thrust
@@ -191,7 +194,7 @@ class Controller:
             vz = max(vz, _approach_speed(self.min_altitude - z, _POSITION_GAIN, _DECELERATION))
         if self.max_altitude < inf:
             vz = min(vz, _approach_speed(self.max_altitude - z, _POSITION_GAIN, _DECELERATION))
-        vz = max(-self.max_climb, min(self.max_climb, vz))
+        vz = _clamped(vz, self.max_climb)
 
         noise_x, noise_y, noise_z, noise_yaw = self.noise
         if self._in_heading_frame:
@@ -255,8 +258,9 @@ class Controller:
             direction_x, direction_y = (
                 (direction_x / across, direction_y / across) if across else (1.0, 0.0)
             )
-        push = thrust / self._mass * STEP
-        self._expected = vx + r13 * push, vy + r23 * push, vz + r33 * push - GRAVITY * STEP
+        if self._estimates:
+            push = thrust / self._mass * STEP
+            self._expected = vx + r13 * push, vy + r23 * push, vz + r33 * push - GRAVITY * STEP
         last_x, last_y = self._turning
         self._turning = wx, wy
         tx = -self._gain_x * direction_y - self._damping_x * wx - self._lead_x * (wx - last_x)
@@ -286,6 +290,15 @@ class Controller:
         )
         return felt
 
+    def expect(self, excess: float, axes: Axes) -> None:
+        """Expect that much more thrust (N) in the next step than was wanted.
+
+        That which the rotors give for the sake of tilt is no force of the air.
+        """
+        if self._expected is not None:
+            (x, y, z), push = self._expected, excess / self._mass * STEP
+            self._expected = x + axes[2] * push, y + axes[5] * push, z + axes[8] * push
+
     def observe(self, on: bool) -> None:
         """Begin a mission period with observation, or discard that of the last one.
 
@@ -295,7 +308,7 @@ class Controller:
             self._felt_before = self._felt
         else:
             self._felt = self._felt_before
-        self._observes = on
+        self._observes = on and self._estimates
 
     def forget(self) -> None:
         """Forget what has been observed, since something else acts on the vehicle now."""
@@ -325,7 +338,7 @@ def _tilt_gains(lag: float) -> tuple[float, float, float]:
 
 
 def _clamped(value: float, most: float) -> float:
-    return max(-most, min(most, value))
+    return -most if value < -most else most if value > most else value
 
 
 def _approach_speed(distance: float, gain: float, deceleration: float) -> float:

@@ -84,9 +84,9 @@ class BatteryPack:
         root = sqrt(max(0.0, voltage * voltage - 4 * self.resistance * power))
         return (voltage - root) / (2 * self.resistance)
 
-    def drain(self, power: float, charge: float) -> float:
-        """How fast a power (watts) takes the charge, with what the resistance takes, 1/s."""
-        return self.current(power, charge) * self.voltage(charge) / self.energy
+    def drain(self, current: float, charge: float) -> float:
+        """How fast a current (amperes) takes the charge, with what the resistance takes, 1/s."""
+        return current * self.voltage(charge) / self.energy
 
 
 @dataclass(frozen=True)
@@ -175,5 +175,7 @@ class Model:
     @cached_property
     def endurance(self) -> float:
         """Seconds of hovering on a full battery: the sum over a hundred parts of its charge."""
-        drains = (self.battery.drain(self.hover_power, (k + 0.5) / 100) for k in range(100))
+        pack, power = self.battery, self.hover_power
+        charges = ((k + 0.5) / 100 for k in range(100))
+        drains = (pack.drain(pack.current(power, charge), charge) for charge in charges)
         return sum(0.01 / drain for drain in drains)

@@ -315,6 +315,51 @@ def test_a_point_that_is_seen_is_unknown_and_nothing_is_told_of_it() -> None:
     assert codes(findings) == [] and "go" in findings.unknown
 
 
+CONVERGING = """\
+mission: flight
+data: {{n: 0}}
+states:
+  takeoff: {{do: takeoff, with: {{altitude: 2 m}}, on: {{done: go}}}}
+  go:
+    do: goto
+    with: {{to: [9, 0, 2], heading: travel}}
+    on:
+      done: turned
+      blocked: turned
+      operator.abort: {{target: turned, actions: {{set: {{n: 1}}}}}}
+      battery.low: {{target: turned, actions: {{set: {{n: 2}}}}}}
+  turned:
+    do: {do}
+    with: {{{given}}}
+    on: {{battery.low: {{actions: {{set: {{n: 3}}}}}}, "*": home}}
+  home: {{do: goto, with: {{to: home}}, on: {{done: land, blocked: land}}}}
+  land: {{do: land, on: {{done: finish}}}}
+  finish: {{type: final}}
+"""
+"""Ways to one moment, at which the heading is known of some only."""
+
+
+@pytest.mark.parametrize(
+    ("do", "given"),
+    [
+        ("takeoff", ""),
+        ("land", ""),
+        ("return_home", ""),
+        ("hover", ""),
+        ("goto", "to: [3, 3, 2]"),
+        ("move", "forward: 1 m/s"),
+        ("route", "points: [[3, 3, 2], [4, 4, 2]]"),
+        ("orbit", "around: [3, 3, 2]"),
+        ("follow_path", "shape: circle"),
+        ("survey", "area: [[0, 0], [4, 0], [4, 4]], height: 3 m, spacing: 2 m"),
+        ("search_spiral", "radius: 3 m, spacing: 2 m"),
+    ],
+)
+def test_ways_that_meet_where_the_heading_is_unknown_are_followed(do: str, given: str) -> None:
+    findings = checked(CONVERGING.format(do=do, given=given))
+    assert codes(findings) == [] and findings.complete
+
+
 def test_things_that_move_and_may_come_near_are_named() -> None:
     path = "{through: [[5, -9, 2], [5, 9, 2]], speed: 1}"
     ball = f"world: w\nspheres: {{ball: {{radius: 0.5, moves: {path}}}}}\n"
