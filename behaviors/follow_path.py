@@ -62,8 +62,7 @@ class _Course:
 
 
 class FollowPath(Behavior):
-    """Fly a smooth path, being at each place of it at its time: a curve through points, a circle or
-    a figure eight.
+    """Fly a smooth path, each place at its time: a curve, a circle or a figure eight.
 
     It flies to the begin of the path first, and comes to rest at its end. ``speed`` is the highest
     one on the path. Where the path needs more than the vehicle can do, it is flown more slowly, and

@@ -122,16 +122,15 @@ class Pilot:
 
     def _require(self, graph: Graph) -> None:
         """Refuse a mission that needs more than this vehicle can do. Raises UserError."""
-        for capability, node in graph.required().items():
+        for capability, needed in graph.required().items():
             if capability not in self.vehicle.capabilities:
-                behavior = node.invocation.behavior.name if node.invocation else ""
                 model = (
                     f"the model '{self.vehicle.model}'" if self.vehicle.model else "this vehicle"
                 )
                 raise UserError(
                     "missing-capability",
-                    f"'{behavior}' needs '{capability}', which {model} does not have",
-                    node.where,
+                    f"'{needed.by}' needs '{capability}', which {model} does not have",
+                    needed.where,
                     f"it has: {', '.join(sorted(self.vehicle.capabilities))}",
                 )
 

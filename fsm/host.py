@@ -103,6 +103,8 @@ class Vocabulary:
     """The functions that `call` may run, by name."""
     peers: frozenset[str] | None = None
     """The vehicles of the fleet that the mission is part of; None when it flies alone."""
+    needs: Mapping[str, str] = field(default_factory=dict)
+    """The capabilities that the host's values need, by names such as ``vehicle.wind``."""
 
     def is_urgent(self, event: str) -> bool:
         """Whether an event goes ahead of all others."""

@@ -108,12 +108,12 @@ def _name(node: Node) -> str:
 
 
 def missing_capabilities(graph: Graph, offered: frozenset[str], who: str) -> Iterator[Fault]:
-    """Faults for the capabilities that behaviours need and ``who`` does not offer."""
-    for capability, node in graph.required().items():
+    """Faults for the capabilities that a mission needs and ``who`` does not offer."""
+    for capability, needed in graph.required().items():
         if capability not in offered:
             yield Fault(
                 "missing-capability",
-                f"'{_name(node)}' needs '{capability}', which {who} does not offer",
-                node.where,
+                f"'{needed.by}' needs '{capability}', which {who} does not offer",
+                needed.where,
                 f"it offers: {', '.join(sorted(offered))}",
             )

@@ -161,6 +161,26 @@ def test_a_camera_that_the_vehicle_does_not_have_is_told_before_the_flight(write
     assert ": warning: 'photo' needs 'camera.ventrl'" in run_cli("check", "m.yaml").err
 
 
+WIND = """
+mission: windy
+states:
+  takeoff: {do: takeoff, with: {altitude: 1 m}, on: {done: wait}}
+  wait: {do: hover, when: {"vehicle.wind.x > 9 m/s": land}, after: {1 s: land}}
+  land: {do: land, on: {done: end}}
+  end: {type: final}
+"""
+
+
+def test_a_mission_that_asks_for_the_wind_needs_a_model_that_estimates_it(write: Write) -> None:
+    write("m.yaml", WIND)
+    result = run_cli("run", "m.yaml", "--model", "crazyflie")
+    assert result.code == 2
+    told = "m.yaml:5:29: error: 'vehicle.wind' needs 'wind', which the model 'crazyflie'"
+    assert told in result.err
+    assert told in run_cli("check", "m.yaml", "--model", "crazyflie").err
+    assert run_cli("run", "m.yaml", "--model", "f450").code == 0
+
+
 NESTED = """
 mission: look
 uses: [eyes.py]
