@@ -33,6 +33,8 @@ class Parameter:
     help: str = ""
     unit: str = ""
     """The unit its default is shown in."""
+    names: str = ""
+    """The kind of what its value names: the vehicle needs the capability ``KIND.value``."""
 
 
 @dataclass(frozen=True)

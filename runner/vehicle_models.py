@@ -76,7 +76,7 @@ def _cameras(node: Node) -> frozenset[str]:
         return frozenset()
     return frozenset(
         word.removeprefix(_CAMERA)
-        for word in node.invocation.behavior.requires
+        for word in node.invocation.required()
         if word.startswith(_CAMERA)
     )
 

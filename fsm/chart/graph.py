@@ -359,11 +359,5 @@ class Graph:
             capability: node
             for node in reversed(self.nodes)
             if node.invocation
-            for capability in (*node.invocation.behavior.requires, *_asked_by(node.invocation))
+            for capability in sorted(node.invocation.required())
         }
-
-
-def _asked_by(invocation: Invocation) -> set[str]:
-    """The capabilities that the values given to a behaviour need."""
-    given = (*invocation.with_.values(), *invocation.live.values())
-    return {need for value in given for need in value.needs}

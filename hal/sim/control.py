@@ -290,6 +290,15 @@ class Controller:
         )
         return felt
 
+    def expect(self, excess: float, axes: Axes) -> None:
+        """Expect that much more thrust (N) in the next step than was wanted.
+
+        That which the rotors give for the sake of tilt is no force of the air.
+        """
+        if self._expected is not None:
+            (x, y, z), push = self._expected, excess / self._mass * STEP
+            self._expected = x + axes[2] * push, y + axes[5] * push, z + axes[8] * push
+
     def observe(self, on: bool) -> None:
         """Begin a mission period with observation, or discard that of the last one.
 

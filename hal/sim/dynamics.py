@@ -62,6 +62,8 @@ class Dynamics:
         self._read_state, self._push = self.body.state, self.body.push
         self.wind: Triple = (0.0, 0.0, 0.0)
         """Velocity of the air about it in this mission period, m/s, world frame."""
+        self.velocity_before: Triple = (0.0, 0.0, 0.0)
+        """Before the last physics step, m/s, world frame."""
         self.free = False
         """True in a mission period of free flight."""
         self._motors_run = False
@@ -133,10 +135,13 @@ class Dynamics:
         control, rotate, air_force = self._control, self._rotate, self._air_force
         wind, ground_effect = self.wind, self._ground_effect
         for _ in range(steps):
+            self.velocity_before = state[2]
             axes = axes_of(state[1])
             x = y = z = fx = fy = fz = 0.0
             if motors_run:
                 thrust, x, y, z = rotate(control(state, axes))
+                if self._drive.excess:
+                    self.controller.expect(self._drive.excess, axes)
                 self._thrust_sum += thrust
                 fz = thrust * ground_effect
             if air_force is not None:

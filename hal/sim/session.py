@@ -65,9 +65,12 @@ class SimSession:
         models = [load_model(spec.model or world.model or DEFAULT) for spec in options.vehicles]
         starts = start_poses(world, options.vehicles, [model.size for model in models])
         physics.add_things(world.things, world.ground.terrain)
-        obstacles = ObstacleHeightGrid(
-            world.things, world.ground.terrain, max(model.reach for model in models)
-        )
+        # One for each reach: where it may touch something is no matter of the other vehicles.
+        obstacles = {
+            reach: ObstacleHeightGrid(world.things, world.ground.terrain, reach)
+            for reach in {model.reach for model in models}
+        }
+        moved: dict[str, Dynamics] = {}
         fitted = [read_cameras(settings.cameras, model.cameras) for model in models]
         rates = [camera.rate for cameras in fitted for camera in cameras.values()]
         interval = 1 / min(rates, default=FASTEST)  # a camera sees where all were so long ago
@@ -86,7 +89,9 @@ class SimSession:
         for spec, model, start in zip(options.vehicles, models, starts, strict=True):
             name = spec.name
             history = PoseHistory(interval)
-            dynamics = Dynamics(name, physics, model, settings.physics, start, history)
+            dynamics = moved[name] = Dynamics(
+                name, physics, model, settings.physics, start, history
+            )
             vehicle = SimVehicle(
                 name,
                 dynamics,
@@ -94,7 +99,13 @@ class SimSession:
                 home=start.home,
                 battery=Battery(model.battery, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
-                contacts=ContactTracker(physics, dynamics.body, model, obstacles),
+                contacts=ContactTracker(
+                    physics,
+                    dynamics.body,
+                    model,
+                    obstacles[model.reach],
+                    lambda other: moved[other].velocity_before,
+                ),
             )
             self._all.append(vehicle)
         self._air = _air_of(world, settings, self._all, options.seed)

@@ -129,6 +129,38 @@ def test_each_behaviour_gets_the_camera_it_needs(write: Write) -> None:
     assert "ardrone1" in result.out.splitlines()[-2]
 
 
+PHOTO = """
+mission: photo
+parameters: {eye: ventral}
+states:
+  takeoff: {do: takeoff, with: {altitude: 1 m}, on: {done: one}}
+  one: {do: photo, with: {camera: CAMERA}, on: {done: two, failed: lost}}
+  two: {do: photo, with: {camera: front}, on: {done: land, failed: lost}}
+  lost: {do: land, on: {done: grounded}}
+  land: {do: land, on: {done: end}}
+  end: {type: final}
+  grounded: {type: final, outcome: grounded}
+"""
+
+
+@pytest.mark.parametrize("camera", ["ventral", "$eye"])
+def test_a_picture_is_taken_by_the_camera_it_names(camera: str, write: Write) -> None:
+    write("m.yaml", PHOTO.replace("CAMERA", camera))
+    result = run_cli("run", "m.yaml")
+    assert result.code == 0, result.err
+    assert "camera" not in run_cli("check", "m.yaml").err
+
+
+def test_a_camera_that_the_vehicle_does_not_have_is_told_before_the_flight(write: Write) -> None:
+    write("m.yaml", PHOTO.replace("CAMERA", "ventrl"))
+    result = run_cli("run", "m.yaml")
+    assert result.code == 2
+    assert "m.yaml:6:3: error: 'photo' needs 'camera.ventrl', which the model 'ard" in result.err
+    checked = run_cli("check", "m.yaml", "--model", "f450")
+    assert checked.code == 2 and "'f450' of the backend 'sim' does not offer" in checked.err
+    assert ": warning: 'photo' needs 'camera.ventrl'" in run_cli("check", "m.yaml").err
+
+
 NESTED = """
 mission: look
 uses: [eyes.py]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -22,13 +23,21 @@ def run(*command: str | Path, cwd: Path) -> str:
     return done.stdout
 
 
+def packaged() -> set[str]:
+    """The files of the packages, those that are no code too."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    packages = project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+    files = (path for package in packages for path in (ROOT / package).rglob("*.*"))
+    return {str(path.relative_to(ROOT)) for path in files if path.suffix != ".pyc"}
+
+
 def test_a_wheel_flies_missions_by_name_elsewhere(tmp_path: Path) -> None:
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
     run(*pip, "wheel", "--no-deps", "--wheel-dir", tmp_path, ROOT, cwd=tmp_path)
     (wheel,) = tmp_path.glob("vencejo-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
     assert "runner/shipped/missions/first_flight.yaml" in names
-    assert "worlds/files/yard.yaml" in names
+    assert {"worlds/files/yard.yaml", "hal/sim/models/f450.yaml"} <= packaged() <= set(names)
     assert not [name for name in names if name.startswith(("tests", "bench", "docs"))]
 
     run(sys.executable, "-m", "venv", tmp_path / "env", cwd=tmp_path)
@@ -38,8 +47,9 @@ def test_a_wheel_flies_missions_by_name_elsewhere(tmp_path: Path) -> None:
     command = tmp_path / "env" / "bin" / "drone-cli"
     away = tmp_path / "away"
     away.mkdir()
-    summary = json.loads(run(command, "run", "first_flight", "--json", cwd=away))
-    assert summary["outcome"] == "done"
+    for model in ("ardrone2", "f450"):
+        flown = run(command, "run", "first_flight", "--model", model, "--json", cwd=away)
+        assert json.loads(flown)["outcome"] == "done"
     run(command, "new", "mine", cwd=away)
     run(command, "run", "mine/mine.yaml", cwd=away)
 

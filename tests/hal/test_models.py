@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hal import Limits, VehicleSpec, backend_capabilities, flight_model, vehicle_model
+from hal.engines import open_engine
 from hal.sim import SimSession, open_session
-from hal.sim.bullet import Bullet
 from hal.sim.model import BatteryPack, Drag, Model, Rotors
 from hal.sim.model_files import load_model, model_names
 from hal.vehicle import Options
@@ -105,7 +105,7 @@ def test_the_450_class_frame_may_tilt_far_and_the_crazyflie_sees_nothing() -> No
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_model_takes_off_hovers_and_lands(name: str) -> None:
     with SimSession(
-        Options((VehicleSpec("drone", name),)), read_world("world: t", "t"), Bullet()
+        Options((VehicleSpec("drone", name),)), read_world("world: t", "t"), open_engine()
     ) as session:
         drone = take_off(session, 1.0)
         assert drone.model == name
@@ -120,7 +120,7 @@ def test_every_model_takes_off_hovers_and_lands(name: str) -> None:
 def test_the_model_of_a_vehicle_counts_over_the_worlds() -> None:
     world = read_world("world: t\nmodel: crazyflie", "t")
     options = Options((VehicleSpec("own", "f450"), VehicleSpec("other")))
-    with SimSession(options, world, Bullet()) as session:
+    with SimSession(options, world, open_engine()) as session:
         assert [vehicle.model for vehicle in session.vehicles.values()] == ["f450", "crazyflie"]
         assert "camera.front" in session.vehicles["own"].capabilities
         assert "camera.front" not in session.vehicles["other"].capabilities
@@ -133,7 +133,7 @@ def test_a_world_names_a_model_from_its_own_folder(tmp_path: Path) -> None:
     world = load_world(tmp_path / "world.yaml")
     assert world.model == str(tmp_path / "mine.yaml")
     assert world.files == (tmp_path / "world.yaml", tmp_path / "mine.yaml")
-    with SimSession(Options(), world, Bullet()) as session:
+    with SimSession(Options(), world, open_engine()) as session:
         assert session.vehicles["drone"].model == "mine"
 
 

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 
 import pytest
 
 from behaviors import Pilot
-from fsm import parse_parameters
 from fsm.engine.instance import Record
 from runner import missions
+from runner.by_vehicle import ALONE
+from runner.fleets import PreparedFleet, prepare_any
 from runner.loop import fly
-from runner.plan import Plan
-from runner.preparation import prepare
+from runner.plan import Assignment, Plan
 from runner.recorder import Recorder
 from tests.hal.engines import ENGINES
+from tests.missions.shipped import FLEETS, MISSIONS
 from vencejo.geometry import Point, distance
 
-SHIPPED = sorted(path.stem for path in (Path(__file__).parents[2] / "missions").glob("*.yaml"))
 LANDS_ON_A_BOX = """
 mission: box_and_back
 states:
@@ -35,36 +35,47 @@ states:
 """
 
 
-class Track:
-    """The places where a vehicle was, one for each mission period."""
+class Tracks:
+    """The places where each vehicle was, one for each mission period."""
 
     def __init__(self) -> None:
-        self.places: list[Point] = []
+        self.places: dict[str, list[Point]] = {}
 
     def show(self, pilot: Pilot, _: Sequence[Record]) -> None:
-        self.places.append(pilot.vehicle.observe().position)
+        vehicle = pilot.vehicle
+        self.places.setdefault(vehicle.name, []).append(vehicle.observe().position)
 
 
-def track(mission: str, engine: str, world: str | None = None) -> list[Point]:
-    prepared, seen = prepare(missions.find(mission), world), Track()
-    values = parse_parameters(prepared.graph, {})
-    flown = fly(Plan.alone(prepared, values, settings={"engine": engine}), watchers=[seen])
-    assert flown.alone.outcome == "done"
+def plan(flown: str, engine: str, world: str | None = None, noise: float = 0.0) -> Plan:
+    """The plan of a mission or a fleet."""
+    prepared = prepare_any(missions.find(flown), world)
+    settings = {"engine": engine, "noise": noise}
+    if isinstance(prepared, PreparedFleet):
+        return Plan(prepared.assignments, settings=settings, fleet=prepared.fleet)
+    return Plan({ALONE: Assignment(prepared)}, settings=settings)
+
+
+def tracks(flown: str, engine: str, world: str | None = None) -> Mapping[str, list[Point]]:
+    seen = Tracks()
+    summary = fly(plan(flown, engine, world), watchers=[seen])
+    assert summary.exit_code == 0
     return seen.places
 
 
-def assert_alike(mission: str, world: str | None = None) -> None:
-    """Engines fly a mission within a centimetre of each other, period by period."""
-    tracks = [track(mission, engine, world) for engine in ENGINES]
-    for one, other in combinations(tracks, 2):
-        assert len(one) == len(other) > 100
-        assert max(map(distance, one, other)) < 0.01
+def assert_alike(flown: str, world: str | None = None) -> None:
+    """Engines fly a mission or fleet within a centimetre of each other, period by period."""
+    found = [tracks(flown, engine, world) for engine in ENGINES]
+    for one, other in combinations(found, 2):
+        assert one.keys() == other.keys()
+        for name, places in one.items():
+            assert len(places) == len(other[name]) > 100
+            assert max(map(distance, places, other[name])) < 0.01
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mission", SHIPPED)
-def test_engines_fly_shipped_missions_alike(mission: str) -> None:
-    assert_alike(mission)
+@pytest.mark.parametrize("flown", [*MISSIONS, *FLEETS])
+def test_engines_fly_what_is_shipped_alike(flown: str) -> None:
+    assert_alike(flown)
 
 
 @pytest.mark.slow
@@ -76,17 +87,16 @@ def test_engines_land_on_things_alike(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mission", SHIPPED)
-def test_a_mission_on_one_engine_is_the_same_to_the_last_byte(
-    mission: str, engine: str, tmp_path: Path
+@pytest.mark.parametrize("flown", [*MISSIONS, "handover"])
+def test_a_flight_on_one_engine_is_the_same_to_the_last_byte(
+    flown: str, engine: str, tmp_path: Path
 ) -> None:
     logs = set()
     for name in ("one", "other"):
-        prepared, folder = prepare(missions.find(mission)), tmp_path / name
+        folder = tmp_path / name
         folder.mkdir()
-        values = parse_parameters(prepared.graph, {})
-        plan = Plan.alone(prepared, values, settings={"engine": engine, "noise": 1.0})
-        fly(plan, lambda folder=folder: Recorder(folder))  # type: ignore[misc]
-        files = [(folder / file).read_bytes() for file in ("events.jsonl", "telemetry.csv")]
+        fly(plan(flown, engine, noise=1.0), lambda folder=folder: Recorder(folder))  # type: ignore[misc]
+        telemetry = sorted(folder.glob("telemetry*/*")) or [folder / "telemetry.csv"]
+        files = [file.read_bytes() for file in (folder / "events.jsonl", *telemetry)]
         logs.add(hashlib.sha256(b"".join(files)).hexdigest())
     assert len(logs) == 1

@@ -315,6 +315,51 @@ def test_a_point_that_is_seen_is_unknown_and_nothing_is_told_of_it() -> None:
     assert codes(findings) == [] and "go" in findings.unknown
 
 
+CONVERGING = """\
+mission: flight
+data: {{n: 0}}
+states:
+  takeoff: {{do: takeoff, with: {{altitude: 2 m}}, on: {{done: go}}}}
+  go:
+    do: goto
+    with: {{to: [9, 0, 2], heading: travel}}
+    on:
+      done: turned
+      blocked: turned
+      operator.abort: {{target: turned, actions: {{set: {{n: 1}}}}}}
+      battery.low: {{target: turned, actions: {{set: {{n: 2}}}}}}
+  turned:
+    do: {do}
+    with: {{{given}}}
+    on: {{battery.low: {{actions: {{set: {{n: 3}}}}}}, "*": home}}
+  home: {{do: goto, with: {{to: home}}, on: {{done: land, blocked: land}}}}
+  land: {{do: land, on: {{done: finish}}}}
+  finish: {{type: final}}
+"""
+"""Ways to one moment, at which the heading is known of some only."""
+
+
+@pytest.mark.parametrize(
+    ("do", "given"),
+    [
+        ("takeoff", ""),
+        ("land", ""),
+        ("return_home", ""),
+        ("hover", ""),
+        ("goto", "to: [3, 3, 2]"),
+        ("move", "forward: 1 m/s"),
+        ("route", "points: [[3, 3, 2], [4, 4, 2]]"),
+        ("orbit", "around: [3, 3, 2]"),
+        ("follow_path", "shape: circle"),
+        ("survey", "area: [[0, 0], [4, 0], [4, 4]], height: 3 m, spacing: 2 m"),
+        ("search_spiral", "radius: 3 m, spacing: 2 m"),
+    ],
+)
+def test_ways_that_meet_where_the_heading_is_unknown_are_followed(do: str, given: str) -> None:
+    findings = checked(CONVERGING.format(do=do, given=given))
+    assert codes(findings) == [] and findings.complete
+
+
 def test_things_that_move_and_may_come_near_are_named() -> None:
     path = "{through: [[5, -9, 2], [5, 9, 2]], speed: 1}"
     ball = f"world: w\nspheres: {{ball: {{radius: 0.5, moves: {path}}}}}\n"
@@ -369,6 +414,79 @@ def test_a_plan_that_is_wrong_is_told_and_what_it_flies_unknown(
     findings = checked(OWN, own=own(tmp_path, body))
     assert codes(findings) == ["broken-plan"] and message in only(findings)
     assert findings.unknown[0] == "go"
+
+
+SQUARE = "[[0, 0], [9, 0], [9, 9], [0, 9]]"
+
+
+@pytest.mark.parametrize(
+    ("do", "message", "place"),
+    [
+        ("follow_path, with: {}", "through 2 different points or more, not 0", ""),
+        ("follow_path, with: {points: [[1, 2, 3], [1, 2, 3]]}", "or more, not 1", "points"),
+        (
+            "follow_path, with: {closed: true, points: [[1, 2, 3], [5, 2, 3], [1, 2, 3]]}",
+            "a closed path leads through 3 different points or more, not 2",
+            "points",
+        ),
+        (
+            "follow_path, with: {points: [[0, 0, 3], [5, 0, 3], [0, 0, 3]]}",
+            "turn back at",
+            "points",
+        ),
+        (
+            "follow_path, with: {closed: true, points: [[0, 0, 3], [5, 0, 3], [9, 0, 3]]}",
+            "cannot turn back at [9, 0, 3]",
+            "points",
+        ),
+        (
+            "follow_path, with: {laps: 3, points: [[1, 2, 3], [5, 2, 3]]}",
+            "3 laps of a path",
+            "laps",
+        ),
+        (
+            "follow_path, with: {shape: circle, points: [[1, 2, 3], [5, 2, 3]]}",
+            "a circle leads through no `points`",
+            "points",
+        ),
+        (f"survey, with: {{area: {SQUARE}}}", "nothing says how far", ""),
+        (
+            "survey, with: {spacing: 2 m, area: [[0, 0], [9, 9], [9, 0], [0, 9]]}",
+            "the outline of this area crosses",
+            "area",
+        ),
+        (
+            "survey, with: {camera: ventral, area: [[0, 0], [9, 9], [9, 9]]}",
+            "3 different corners",
+            "area",
+        ),
+        (
+            "survey, with: {spacing: 2 m, area: [[0, 0], [3, 3], [9, 9]]}",
+            "crosses or touches",
+            "area",
+        ),
+        ("photo, with: {camera: front, name: a/b}", "'a/b' is no name of a picture", "name"),
+        ("photo, with: {camera: front, heading: travel}", "it does not travel", "heading"),
+    ],
+)
+def test_parameters_that_make_no_flight_are_an_error(do: str, message: str, place: str) -> None:
+    ways = "done: home, failed: land" + (", blocked: land" if "photo" not in do else "")
+    text = flight(f"go: {{do: {do}, on: {{{ways}}}}}")
+    line = text.splitlines()[5]
+    column = line.index(f"{place}: ") + len(place) + 3 if place else 3
+    (fault,) = checked(text).faults
+    assert (fault.code, fault.severity, fault.where) == (
+        "unflyable",
+        "error",
+        Where("m.yaml", 6, column),
+    )
+    assert message in fault.message
+    assert fault.message.startswith(f"'{do.partition(',')[0]}' cannot fly this: ")
+
+
+def test_a_name_that_the_flight_decides_is_no_error() -> None:
+    photo = "go: {do: photo, with: {camera: front, name: 'n_$n', heading: $way}, on: {done: home}}"
+    assert checked(flight(photo, "data: {n: 1, way: {type: heading, default: 1 rad}}")).faults == ()
 
 
 @pytest.mark.parametrize("name", MISSIONS)
