@@ -35,7 +35,7 @@ class Rotors:
     efficiency: float
     """Ideal (momentum theory) over electrical power: rotor, motor and its controller."""
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Of all four discs, m²."""
         return 4 * pi * self.radius * self.radius
@@ -127,12 +127,12 @@ class Model:
     color: Color | None
     """Of its hull; None for one that its name decides."""
 
-    @property
+    @cached_property
     def height(self) -> float:
         """Height of the centre of mass above the skids, metres."""
         return self.size[2] / 2
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """How far it reaches from its centre of mass, metres."""
         return hypot(*self.size) / 2
@@ -142,7 +142,7 @@ class Model:
         """Newtons."""
         return self.mass * GRAVITY
 
-    @property
+    @cached_property
     def max_thrust(self) -> float:
         """Of all four rotors at a full battery, newtons."""
         return 4 * self.rotors.max_thrust

@@ -460,7 +460,8 @@ class SimVehicle(BaseVehicle):
         self._may_touch = contacts.near_things and active
         dynamics.begin_period(free=free, motors_run=self._motors_run, supported=contacts.supported)
         if self._motors_run:
-            above = inf if free else contacts.height_above_ground(state) + self._model.height
+            far = free or not dynamics.effects.ground_effect
+            above = inf if far else contacts.height_above_ground(state) + self._model.height
             voltage = self._battery.voltage / self._model.battery.full
             dynamics.set_air(voltage=voltage, height=above, touched=contacts.clear == 0)
 
