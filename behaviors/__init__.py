@@ -17,6 +17,7 @@ from behaviors.params import (
     param,
     value,
 )
+from behaviors.path_file import PathFile
 from behaviors.pilot import Pilot
 from behaviors.plan import UNKNOWN, Legs, PlannedLeg, PlanStart, Unflyable
 from behaviors.registry import Registry, load_all
@@ -41,6 +42,7 @@ __all__ = [
     "MissionFrame",
     "NotInControl",
     "Outcome",
+    "PathFile",
     "Pilot",
     "PlanStart",
     "PlannedLeg",

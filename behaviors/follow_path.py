@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -11,14 +12,15 @@ from behaviors.behavior import Behavior
 from behaviors.curves import circle, lemniscate
 from behaviors.flight import Flight
 from behaviors.guidance import ACCELERATION, RAMP
-from behaviors.pace import Agility, Pace, bend_speed, even, paced, slowed
+from behaviors.pace import Agility, Pace, bend_speed, even, paced, slowed, timed
 from behaviors.params import BehaviorParams, Heading, Route, live, param, value
 from behaviors.path import SAME, Path, repeated, spline, turns_back
+from behaviors.path_file import PathFile
 from behaviors.path_flight import PathFlight, planned_along
 from behaviors.path_follower import PathFollower
 from behaviors.plan import Legs, PlanStart, Slower, Unflyable, leg_to
 from fsm.host import Outcome
-from vencejo.geometry import Point, distance
+from vencejo.geometry import Point, distance, wrap
 
 _ALIKE = 0.99
 """A speed that is at least this share of what was asked for is no slower."""
@@ -46,6 +48,22 @@ class Lap:
 
 
 @dataclass(frozen=True)
+class _Yaws:
+    """Headings along a path, radians, between which it turns the shorter way."""
+
+    ways: Sequence[float]
+    """Where each is reached, metres."""
+    yaws: Sequence[float]
+
+    def at(self, way: float) -> float:
+        """The heading at a way, kept between begin and end."""
+        k = max(0, min(bisect_right(self.ways, way), len(self.ways) - 1) - 1)
+        share = (way - self.ways[k]) / (self.ways[k + 1] - self.ways[k])
+        begin, end = self.yaws[k], self.yaws[k + 1]
+        return wrap(begin + max(0.0, min(1.0, share)) * wrap(end - begin))
+
+
+@dataclass(frozen=True)
 class _Course:
     """A path with its pace, as the vehicle can fly it."""
 
@@ -53,32 +71,42 @@ class _Course:
     pace: Pace
     ramp: float
     """See PathFollower."""
+    asked: float
     speed: float
     """See Slower."""
+    yaws: _Yaws | None = None
+    """The headings that its file has."""
 
-    def slower_than(self, asked: float) -> Slower | None:
-        """What is told if it is slower than asked for, m/s; else None."""
-        return Slower(asked, self.speed) if self.speed < _ALIKE * asked else None
+    @property
+    def slower(self) -> Slower | None:
+        """What is told if it is slower than asked for; else None."""
+        return Slower(self.asked, self.speed) if self.speed < _ALIKE * self.asked else None
+
+    def heading(self, asked: Heading, way: float) -> Heading:
+        """The heading at a way: that of its file, unless another than travel is asked for."""
+        return self.yaws.at(way) if self.yaws and asked == "travel" else asked
 
 
 class FollowPath(Behavior):
-    """Fly a smooth path, each place at its time: a curve, a circle or a figure eight.
+    """Fly a smooth path, each place at its time: a curve, a circle, a figure eight or a CSV file's.
 
     It flies to the begin of the path first, and comes to rest at its end. ``speed`` is the highest
-    one on the path. Where the path needs more than the vehicle can do, it is flown more slowly, and
-    ``path.slower`` is raised: a circle or figure eight as a whole, a curve through points in its
-    bends. Ends in ``blocked`` when it comes no further for 15 s.
+    one on the path; a file with times is flown at these, and ``speed`` is that to its begin. Where
+    the path needs more than the vehicle can do, it is flown more slowly, and ``path.slower`` is
+    raised: a circle, a figure eight or a file with times as a whole, other curves in their bends.
+    Ends in ``blocked`` when it comes no further for 15 s.
     """
 
     name = "follow_path"
 
     class Params(BehaviorParams):
         shape: str = param(
-            "points", choices=("points", "circle", "figure_eight"), help="what it flies"
+            "points", choices=("points", "circle", "figure_eight", "file"), help="what it flies"
         )
         points: Route | None = param(None, help="of shape points: what the curve passes through")
+        file: PathFile | None = param(None, help="of shape file: CSV, x,y,z or t,x,y,z, and yaw")
         closed: bool = param(False, help="of shape points: it comes back to its first point")
-        center: Point | None = param(None, help="of the others: without it, where it begins")
+        center: Point | None = param(None, help="of circle and eight: without it, where it begins")
         length: float = param(4.0, unit="m", min=0.2, max=1000, help="or the circle's diameter")
         width: float = param(2.0, unit="m", min=0.1, max=1000, help="of the figure eight")
         axis: float = param(0.0, unit="rad", help="direction of the length, where it begins")
@@ -99,7 +127,7 @@ class FollowPath(Behavior):
         path, speed = course.path, params.speed
         legs = [leg_to(start, start.position, path.places[0], speed, params.heading)]
         laps = params.laps if _is_closed(params) else 1
-        return [*legs, *planned_along(path, course.pace, laps, course.slower_than(speed))]
+        return [*legs, *planned_along(path, course.pace, laps, course.slower)]
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, progress = self.params, progress or {}
@@ -109,17 +137,16 @@ class FollowPath(Behavior):
         )
         self.laps = params.laps if _is_closed(params) else 1
         self.lap = progress.get("lap", 0)
-        course = _course(params, self.origin, self.agility)
+        course = self.course = _course(params, self.origin, self.agility)
         follower = PathFollower(course.path, course.pace, course.ramp)
         self.way = PathFlight(flight, follower, params.speed, progress.get("way"))
-        slower = course.slower_than(params.speed)
-        if slower is not None and not progress:
-            flight.raise_event("path.slower", slower)
+        if course.slower is not None and not progress:
+            flight.raise_event("path.slower", course.slower)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         way = self.way
-        blocked = way.step(flight, self.params.heading)
         follower = way.follower
+        blocked = way.step(flight, self.course.heading(self.params.heading, follower.way))
         share = follower.way / follower.path.length
         lap = min(self.laps, int(share * self.laps) + 1) if way.on_path else 0
         for over in range(max(1, self.lap), self.laps + 1 if way.ended else lap):
@@ -141,16 +168,20 @@ class FollowPath(Behavior):
 
 
 def _is_closed(params: Any) -> bool:
-    return bool(params.shape != "points" or params.closed)
+    return bool(params.shape in ("circle", "figure_eight") or params.closed)
 
 
 def _course(params: Any, here: Point, agility: Agility) -> _Course:
     """The path of the parameters. Raises Unflyable where they make none."""
-    if params.shape == "points":
-        return _through_points(params, agility)
-    if params.points is not None:
+    if params.shape != "points" and params.points is not None:
         message = f"a {params.shape} leads through no `points`"
         raise Unflyable(message, "points", "leave them out, or the shape")
+    if params.shape != "file" and params.file is not None:
+        raise Unflyable("the `file` is of the shape file", "file", "write shape: file")
+    if params.shape == "points":
+        return _through_points(params, agility)
+    if params.shape == "file":
+        return _from_file(params, agility)
     centre = here if params.center is None else params.center
     if params.shape == "circle":
         turns = -params.laps if params.clockwise else params.laps
@@ -161,8 +192,45 @@ def _course(params: Any, here: Point, agility: Agility) -> _Course:
         factor = params.speed / pace.fastest
         speeds = [speed * factor for speed in pace.speeds]
         pace = Pace([time / factor for time in pace.times], pace.ways, speeds)
-    pace = slowed(path, pace, agility)
-    return _Course(path, pace, max(RAMP, pace.speeds[0] / ACCELERATION), pace.fastest)
+    return _whole(path, pace, path.directions, agility)
+
+
+def _whole(
+    path: Path,
+    pace: Pace,
+    directions: Sequence[Point],
+    agility: Agility,
+    yaws: _Yaws | None = None,
+) -> _Course:
+    """A path at a pace that is slowed as a whole; ``directions`` are its at the pace's nodes."""
+    asked = pace.fastest
+    pace = slowed(directions, pace, agility)
+    ramp = max(RAMP, pace.speeds[0] / ACCELERATION)
+    return _Course(path, pace, ramp, asked, pace.fastest, yaws)
+
+
+def _from_file(params: Any, agility: Agility) -> _Course:
+    """The path of a file: at its times, or at the speed asked for."""
+    file: PathFile | None = params.file
+    if file is None:
+        raise Unflyable("the shape file has no `file`", "shape", "file: path.csv")
+    if params.closed:
+        raise Unflyable("the path of a file is not closed", "closed", "end it in its first place")
+    if params.laps > 1:
+        raise Unflyable("the path of a file is flown once", "laps", "come back to the state again")
+    path, ways = spline(file.places)
+    yaws = _Yaws(ways, file.yaws) if file.yaws else None
+    if file.times is None:
+        return _at_speed(path, params.speed, agility, yaws)
+    pace = timed(path, ways, file.times)
+    return _whole(path, pace, [path.direction(way) for way in pace.ways], agility, yaws)
+
+
+def _at_speed(path: Path, speed: float, agility: Agility, yaws: _Yaws | None = None) -> _Course:
+    """A path that is flown at a speed, and more slowly in its bends."""
+    pace = paced(path, [speed] * (len(path.ways) - 1), agility)
+    slowest = min(bend_speed(bend, agility) for bend in path.bends())
+    return _Course(path, pace, 0.0, speed, min(speed, slowest), yaws)
 
 
 def _through_points(params: Any, agility: Agility) -> _Course:
@@ -185,9 +253,7 @@ def _through_points(params: Any, agility: Agility) -> _Course:
     path, _ = spline(places, params.closed)
     if params.closed:
         path = repeated(path, params.laps)
-    pace = paced(path, [params.speed] * (len(path.ways) - 1), agility)
-    slowest = min(bend_speed(bend, agility) for bend in path.bends())
-    return _Course(path, pace, 0.0, min(params.speed, slowest))
+    return _at_speed(path, params.speed, agility)
 
 
 def _shown(place: Point) -> str:

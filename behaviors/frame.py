@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from behaviors.params import Face, Heading, Waypoint
 from fsm.values.conversion import ABOVE_GROUND
 from fsm.values.functions import EvaluationError, shown
-from fsm.values.types import AREA, HEADING, POINT, ROUTE, Type
+from fsm.values.types import AREA, HEADING, POINT, ROUTE, Text, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point, distance, enu_of, rotate_xy
 
@@ -43,9 +43,11 @@ class MissionFrame:
         geographic: tuple[float, float, float] | None = None,
         origin_shift: Point = _ZERO,
         ground_height: GroundHeight | None = None,
+        files: Mapping[str, Any] | None = None,
     ) -> None:
         """``origin`` is in the present world frame, where what stood at the zero of the first one
-        is at ``origin_shift`` now; ``places`` and ``geographic`` are those of the first one.
+        is at ``origin_shift`` now; ``places`` and ``geographic`` are those of the first one;
+        ``files`` are those of the graph (see :attr:`fsm.Graph.files`).
         """
         self.origin = origin
         """The mission frame's origin, world frame, metres."""
@@ -60,6 +62,8 @@ class MissionFrame:
         self.ground_height = ground_height
         """The height of the ground at a place of the world frame before any jump; None where it
         is not known."""
+        self.files = files or {}
+        """What the files hold that the mission names."""
 
     @classmethod
     def at_start(
@@ -68,6 +72,7 @@ class MissionFrame:
         places: Mapping[str, Point] | None = None,
         geographic: tuple[float, float, float] | None = None,
         ground_height: GroundHeight | None = None,
+        files: Mapping[str, Any] | None = None,
     ) -> MissionFrame:
         """The frame of a mission that begins with this observation (world frame).
 
@@ -76,7 +81,7 @@ class MissionFrame:
         """
         at_home = not seen.flying and distance(seen.position, seen.home) < STANDS_ON_HOME
         origin = seen.home if at_home else seen.position
-        return cls(origin, places, geographic, seen.origin_shift, ground_height)
+        return cls(origin, places, geographic, seen.origin_shift, ground_height, files)
 
     def follow(self, origin_shift: Point) -> Point:
         """Follow a jump of the world frame, to where its first zero is now; by how much all that
@@ -169,7 +174,8 @@ class MissionFrame:
         return given if isinstance(given, str) else float(given)
 
     def resolve(self, type_: Type, given: Any, start: Pose) -> Any:
-        """A checked value in the form that behaviours use: Point, Heading, Route or Area.
+        """A checked value in the form that behaviours use: Point, Heading, Route, Area, and
+        what a file holds for its name.
 
         Values of other types are returned as they are. Raises as :meth:`point` does.
         """
@@ -179,11 +185,17 @@ class MissionFrame:
             return self.point(given, start)
         if type_ == HEADING:
             return self.heading(given, start)
-        if type_ == ROUTE:
-            return [self._waypoint(element, start) for element in given]
-        if type_ == AREA:
-            return [self.point(element, start) for element in given]
+        if type_ in (ROUTE, AREA):
+            element = self._waypoint if type_ == ROUTE else self.point
+            return [element(each, start) for each in given]
+        if isinstance(type_, Text) and type_.file:
+            return self._content(given)
         return given
+
+    def _content(self, file: str) -> Any:
+        if file not in self.files:
+            raise EvaluationError(f"the file '{file}' has not been read")
+        return self.files[file]
 
     def _waypoint(self, given: Any, start: Pose) -> Waypoint:
         if isinstance(given, Mapping) and "at" in given:

@@ -10,9 +10,10 @@ Manipulators Along Specified Paths*, 1985).
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import hypot, inf, sqrt, tan
 
 from behaviors.guidance import BRAKING, acceleration_at
@@ -108,15 +109,39 @@ def even(path: Path, speed: float) -> Pace:
     return Pace([way / speed for way in path.ways], path.ways, [speed] * len(path.ways))
 
 
-def slowed(path: Path, pace: Pace, agility: Agility) -> Pace:
-    """A pace, with nodes at those of its path, so much slower that the vehicle can fly it."""
-    velocities = [_times(d, v) for d, v in zip(path.directions, pace.speeds, strict=True)]
+def timed(path: Path, ways: Sequence[float], times: Sequence[float]) -> Pace:
+    """The pace that is at each of some ways, which grow, at its time; the first is at time 0.
+
+    The speed at each is such that it never flies backwards (the harmonic mean of those before and
+    after it: F. N. Fritsch, J. Butland, *A Method for Constructing Local Monotone Piecewise Cubic
+    Interpolants*, 1984). Between them are as many nodes as the path has there, so that none of its
+    bends is overlooked.
+    """
+    means = [
+        (b - a) / (u - t) for (a, b), (t, u) in zip(pairwise(ways), pairwise(times), strict=True)
+    ]
+    inner = [2 * u * v / (u + v) for u, v in pairwise(means)]
+    pace = Pace(times, ways, [means[0], *inner, means[-1]])
+    nodes: list[float] = []
+    for (a, b), (t, u) in zip(pairwise(ways), pairwise(times), strict=True):
+        parts = bisect_left(path.ways, b) - bisect_left(path.ways, a) + 1
+        nodes += [t + (u - t) * k / parts for k in range(parts)]
+    nodes.append(times[-1])
+    moments = [pace.at(node) for node in nodes]
+    return Pace(nodes, [way for way, _ in moments], [speed for _, speed in moments])
+
+
+def slowed(directions: Sequence[Point], pace: Pace, agility: Agility) -> Pace:
+    """A pace so much slower that the vehicle can fly it; ``directions`` are the path's at each of
+    its nodes.
+    """
+    velocities = [_times(d, v) for d, v in zip(directions, pace.speeds, strict=True)]
     turns = (
         distance(a, b) / (u - t)
         for a, b, t, u in zip(velocities, velocities[1:], pace.times, pace.times[1:], strict=False)
     )
     factor = max(1.0, sqrt(max(turns) / agility.acceleration))
-    for direction, speed in zip(path.directions, pace.speeds, strict=True):
+    for direction, speed in zip(directions, pace.speeds, strict=True):
         factor = max(factor, speed / agility.most(direction))
     if factor == 1.0:
         return pace

@@ -11,6 +11,7 @@ from math import inf
 from operator import or_
 from typing import Any, ClassVar
 
+from behaviors.path_file import PathFile
 from fsm.host import Parameter
 from fsm.values.types import (
     ANY,
@@ -60,6 +61,7 @@ _TYPES: dict[Any, Type] = {
     int: Number(whole=True),
     float: Number(),
     Point: POINT,
+    PathFile: Text(file=True),
     Heading: HEADING,
     Route: ROUTE,
     Area: AREA,
@@ -140,7 +142,7 @@ def _type(annotation: Any, spec: ParamSpec) -> Type:
     if isinstance(type_, Number):
         low, high = _si(spec.min, spec.unit), _si(spec.max, spec.unit)
         return Number(_dimension(spec.unit), low, high, type_.whole)
-    return Text(spec.choices) if isinstance(type_, Text) else type_
+    return Text(spec.choices) if type_ == Text() else type_
 
 
 class BehaviorParams:

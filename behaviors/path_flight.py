@@ -23,7 +23,9 @@ from vencejo.geometry import distance
 BEGIN = Arrival(tolerance=0.1, yaw_tolerance=0.3, dwell=0.5)
 """When it is at the begin of its path, and goes on along it."""
 _CHORD = 5
-"""Nodes of a path that a straight leg of its plan takes together, at the most."""
+"""Nodes of a path that a straight leg of its plan takes together; more where that is short."""
+_SHORTEST = 0.25
+"""Way from which such a leg is not short, metres: a begin and an end of each cost time in plans."""
 _FURTHER = 0.02
 """Least way along a path that counts as going on, metres."""
 
@@ -133,7 +135,11 @@ def planned_along(
     Its other laps lead along the same places, and are the stay at the end.
     """
     end = (len(path.places) - 1) // laps
-    numbers = [*range(0, end, _CHORD), end]
+    numbers = [0]
+    for number in range(_CHORD, end, _CHORD):
+        if path.ways[number] - path.ways[numbers[-1]] >= _SHORTEST:
+            numbers.append(number)
+    numbers.append(end)
     speed = path.length / pace.duration
     *legs, last = (PlannedLeg(path.places[number], speed, slower=slower) for number in numbers[1:])
     return [*legs, replace(last, dwell=pace.duration * (laps - 1) / laps)]

@@ -75,7 +75,7 @@ class Pilot:
         self.vehicle = vehicle
         self.channel = Channel(
             vehicle,
-            frame or MissionFrame.at_start(vehicle.observe()),
+            frame or MissionFrame.at_start(vehicle.observe(), files=graph.files),
             generator(seed, vehicle.name, "behaviours"),
         )
         self.instance = Instance(graph, self, self._located(graph, parameters or {}))
@@ -465,7 +465,7 @@ def resume_flight(
         raise _torn()
     try:
         origin, origin_shift = unpack(known["origin"]), unpack(known["origin_shift"])
-        frame = MissionFrame(origin, places, geographic, origin_shift, ground_height)
+        frame = MissionFrame(origin, places, geographic, origin_shift, ground_height, graph.files)
         pilot = Pilot(graph, vehicle, frame=frame, thresholds=thresholds)
         _go_on(pilot, known)
     except TORN:

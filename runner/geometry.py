@@ -87,7 +87,9 @@ def check_geometry(
     origin = world.origin
     geographic = (origin.lat, origin.lon, origin.alt) if origin else None
     ground = partial(height_at, world.ground.terrain)
-    frame = MissionFrame(start.at, world.places, geographic, ground_height=ground)
+    frame = MissionFrame(
+        start.at, world.places, geographic, ground_height=ground, files=graph.files
+    )
 
     def ground_below(place: Point) -> float:
         return obstacles.below(frame.to_world(place)).height - start.at.z
@@ -260,9 +262,9 @@ class _View:
         if slower is not None:
             told = (
                 f"'{leg.behavior.name}' flies its path at {slower.speed:.2g} m/s, not at "
-                f"{slower.asked:g} m/s: its bends need more tilt, or it is beyond another limit"
+                f"{slower.asked:.3g} m/s: its bends need more tilt, or it is beyond another limit"
             )
-            hint = "ask for less speed, make its bends wider, or raise max_tilt"
+            hint = "ask for less speed or give more time, make its bends wider, or raise max_tilt"
             self.warn("slower-than-asked", leg, told, hint)
 
     def outside_fence(self, leg: PossibleLeg, a: Point, b: Point) -> None:

@@ -386,8 +386,10 @@ def _craft(plan: Plan, session: Session, name: str, dt: float, calls: Calls) -> 
     """A vehicle with its mission, about to begin with a period of ``dt`` seconds."""
     vehicle, assignment = session.vehicles[name], plan.assignments[name]
     seen = vehicle.observe()
-    frame = MissionFrame.at_start(seen, session.places, session.geographic, session.ground_height)
     graph, parameters = assignment.prepared.graph, assignment.parameters
+    frame = MissionFrame.at_start(
+        seen, session.places, session.geographic, session.ground_height, graph.files
+    )
     pilot = Pilot(graph, vehicle, parameters, frame=frame, seed=plan.seed, calls=calls)
     try:
         set_limits(pilot.channel, plan.profile, **plan.limits.given())

@@ -13,6 +13,7 @@ from fsm import Graph, MissionSpec, compile_mission, read_mission, warnings_with
 from fsm.faults import Faults
 from fsm.host import Vocabulary
 from fsm.language.spec import StateSpec
+from runner.mission_files import read_mission_files
 from runner.missions import Found
 from vencejo.errors import Where
 from vencejo.files import named_from
@@ -71,8 +72,7 @@ def prepare(
         graph = compile_mission(spec, vocabulary, faults)
         graph = replace(graph, warnings=warnings_with_proof(graph))
     assert place is not None, "a world that is not there is a fault"
-    files = (found.path, *_others(spec, found.path), *_sources(document))
-    return Prepared(found, spec, graph, place, word, files)
+    return _prepared(found, spec, graph, (place, word), _sources(document))
 
 
 def prepare_member(
@@ -88,13 +88,28 @@ def prepare_member(
 
     Raises UserError with every fault that was found.
     """
-    faults, (world, word) = Faults(), place
+    faults, (world, _) = Faults(), place
     vocabulary = _vocabulary_of(
         spec, found.path, world, faults, code=code, peers=peers, calls=calls
     )
     graph = compile_mission(spec, vocabulary, faults)
     graph = replace(graph, warnings=warnings_with_proof(graph))
-    return Prepared(found, spec, graph, world, word, (found.path, *_others(spec, found.path)))
+    return _prepared(found, spec, graph, place)
+
+
+def _prepared(
+    found: Found,
+    spec: MissionSpec,
+    graph: Graph,
+    place: tuple[World, str],
+    sources: Iterable[Path] = (),
+) -> Prepared:
+    """A mission with the files that it names. Raises UserError for what is wrong with them."""
+    path, (world, word) = found.path, place
+    folders = {each.file: _path(each, spec, path).parent for each in spec.closure()}
+    named = read_mission_files(graph, folders)
+    others = dict.fromkeys((*_others(spec, path), *named.paths, *sources))
+    return Prepared(found, spec, replace(graph, files=named.contents), world, word, (path, *others))
 
 
 def _read(found: Found, faults: Faults) -> tuple[MissionSpec, Element | None]:

@@ -91,6 +91,14 @@ def read_file(path: Path, shown_as: str | None = None) -> Mapping:
     Raises UserError for a file that cannot be read or is no YAML map.
     """
     name = shown_as or str(path)
+    return read_text(read_plain(path, name, ".yaml"), name)
+
+
+def read_plain(path: Path, name: str, ending: str) -> str:
+    """The text of a file, which ``name`` stands for in errors; its like end in ``ending``.
+
+    Raises UserError for a file that cannot be read, is no UTF-8 text or larger than 1 MiB.
+    """
     place = Where(name)
     try:
         with path.open("rb") as file:
@@ -98,18 +106,17 @@ def read_file(path: Path, shown_as: str | None = None) -> Mapping:
             data = file.read(MAX_BYTES + 1)
         if len(data) > MAX_BYTES:
             raise UserError("too-large", "the file is larger than 1 MiB", place)
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise _not_utf8(data, error.start, name) from None
     except (FileNotFoundError, ValueError):
         raise UserError("no-such-file", f"there is no file '{name}'", place) from None
     except IsADirectoryError:
-        hint = "name a .yaml file inside it"
+        hint = f"name a {ending} file inside it"
         raise UserError("not-a-file", f"'{name}' is a folder", place, hint) from None
     except OSError as error:
         reason = error.strerror or str(error)
         raise UserError("unreadable", f"cannot read '{name}': {reason}", place) from None
-    return read_text(text, name)
 
 
 def read_text(text: str, file: str) -> Mapping:

@@ -309,6 +309,8 @@ class Graph:
     """The events that its actions raise, send and cancel."""
     host_fields: Mapping[str, Where] = field(default_factory=lambda: MappingProxyType({}))
     """What it reads of the host's values, such as ``vehicle.wind``, with the first place."""
+    files: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    """What its host read of the files that it names, by name."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     """`transitions`' word for callbacks that take the event's data as their only argument."""

@@ -75,8 +75,12 @@ class Bool(Type):
 @dataclass(frozen=True)
 class Text(Type):
     choices: tuple[str, ...] = ()
+    file: bool = False
+    """It is the name of a file that the host reads before the flight."""
 
     def __str__(self) -> str:
+        if self.file:
+            return "the name of a file"
         return f"one of {', '.join(self.choices)}" if self.choices else "a text"
 
 

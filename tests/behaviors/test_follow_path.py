@@ -12,6 +12,7 @@ import pytest
 from behaviors import Face, PlanStart, describe
 from behaviors.activity import DroneActivity
 from behaviors.follow_path import FollowPath
+from behaviors.path_file import PathFile
 from fsm.values.packing import pack, unpack
 from hal.limits import Limits
 from hal.vehicle import Position
@@ -208,3 +209,98 @@ def test_its_plan_leads_along_its_first_lap_and_takes_its_time() -> None:
     way = sum(distance(a.to, b.to) / (b.speed or 1) for a, b in pairwise(legs))
     lap = 2 * pi * 2 * sqrt(2)
     assert way + legs[-1].dwell == pytest.approx(4 * lap, rel=0.02)
+
+
+ROWS = PathFile(
+    (Point(0, 0, 3), Point(4, 1, 3.5), Point(6, 4, 4), Point(2, 6, 3)),
+    (0.0, 3.0, 6.0, 9.5),
+    (0.0, 1.5, 3.0, -3.0),
+)
+
+
+def follow_file(file: PathFile, **values: Any) -> tuple[Solo, list[Position]]:
+    solo = Solo(INFO)
+    solo.channel.frame.files = {"path.csv": file}
+    values = {"shape": "file", "file": "path.csv", **values}
+    solo.activity = DroneActivity(INFO, values, None, solo.channel, solo._post)
+    told = []
+    while solo.outcome is None:
+        setpoint = solo.step()
+        assert isinstance(setpoint, Position)
+        told.append(setpoint)
+        assert solo.time < 100
+    return solo, told
+
+
+def nearest_period(told: list[Position], place: Point) -> int:
+    return min(range(len(told)), key=lambda k: distance(told[k].xyz, place))
+
+
+def test_a_file_with_times_is_at_its_places_at_these() -> None:
+    solo, told = follow_file(ROWS)
+    assert solo.word == "done" and [name for name, _ in solo.events] == ["path.lap"]
+    assert ROWS.times is not None and ROWS.yaws is not None
+    second, third = (nearest_period(told, place) for place in ROWS.places[1:3])
+    for place, yaw in zip(ROWS.places[1:3], ROWS.yaws[1:3], strict=True):
+        there = told[nearest_period(told, place)]
+        assert distance(there.xyz, place) < 0.05
+        assert there.yaw == pytest.approx(yaw, abs=0.05)
+    assert (third - second) * 0.025 == pytest.approx(3.0, abs=0.03)
+    assert distance(solo.vehicle.position, ROWS.places[-1]) < 0.01
+    # Between the last two it turns from 3 to -3 rad by way of pi.
+    yaws = [setpoint.yaw for setpoint in told[third + 4 :]]
+    assert all(yaw is not None and abs(yaw) > 2.9 for yaw in yaws)
+
+
+def test_a_heading_asked_for_goes_before_that_of_the_file() -> None:
+    _, told = follow_file(ROWS, heading=0.25)
+    assert all(setpoint.yaw == pytest.approx(0.25) for setpoint in told[100:])
+
+
+def test_a_file_whose_times_are_too_short_is_slowed_as_a_whole_and_told() -> None:
+    fast = PathFile(ROWS.places, (0.0, 0.6, 1.2, 1.9), None)
+    solo, told = follow_file(fast)
+    (name, fields), *_ = solo.events
+    assert name == "path.slower" and fields["asked"] > 6.0
+    fastest = max(s.velocity.norm() for s in told if s.velocity)
+    assert fields["speed"] == pytest.approx(fastest, rel=0.03) and fields["speed"] < 4.0
+    second, third = (nearest_period(told, place) for place in ROWS.places[1:3])
+    factor = fields["asked"] / fields["speed"]
+    assert (third - second) * 0.025 == pytest.approx(0.6 * factor, abs=0.05)
+
+
+def test_a_file_without_times_is_flown_at_the_speed() -> None:
+    given = PathFile(ROWS.places, None, None)
+    solo, told = follow_file(given, speed=1.0)
+    _, same = follow({"points": list(ROWS.places), "speed": 1.0})
+    assert solo.word == "done" and told == same
+
+
+def test_a_file_goes_on_where_it_was() -> None:
+    whole, _ = follow_file(ROWS)
+    solo = Solo(INFO)
+    solo.channel.frame.files = {"path.csv": ROWS}
+    values = {"shape": "file", "file": "path.csv"}
+    solo.activity = DroneActivity(INFO, values, None, solo.channel, solo._post)
+    solo.run(6.0)
+    saved = json.loads(json.dumps(pack(solo.activity.saved()), allow_nan=False))
+    assert saved["with"]["file"] == "path.csv"
+    solo.activity = DroneActivity.resumed(INFO, unpack(saved), solo.channel, solo._post)
+    solo.run(60.0)
+    assert (solo.word, solo.time, solo.vehicle.position) == (
+        *("done", whole.time, whole.vehicle.position),
+    )
+
+
+def test_a_plan_has_no_tiny_legs_however_many_rows_a_file_has() -> None:
+    angles = [k * 0.005 for k in range(1001)]
+    places = tuple(Point(3 * cos(a), 3 * sin(a), 3.0) for a in angles)
+    dense = PathFile(places, tuple(4 * a for a in angles), None)
+    start = PlanStart(Point(0, 0, 3), 0.0, True, 0.0, 5.0)
+    defaults = {name: parameter.default for name, parameter in INFO.parameters.items()}
+    values = {**defaults, "shape": "file", "file": dense}
+    legs = FollowPath.plan(FollowPath.Params(**values), start)
+    assert legs is not None and legs[-1].to == places[-1]
+    assert all(0.24 < distance(a.to, b.to) < 0.5 for a, b in pairwise(legs[:-1]))
+    seconds = sum(distance(a.to, b.to) / (b.speed or 1) for a, b in pairwise(legs))
+    assert seconds == pytest.approx(20.0, rel=0.01)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from behaviors.guidance import BRAKING, acceleration_at
-from behaviors.pace import TURN_RATE, Agility, Pace, paced
-from behaviors.path import Corner, Path, blended
+from behaviors.pace import TURN_RATE, Agility, Pace, paced, slowed, timed
+from behaviors.path import Corner, Path, blended, spline
 from hal.limits import Limits
 from vencejo.geometry import Point
 
@@ -91,3 +91,37 @@ def test_a_pace_without_a_way_takes_no_time() -> None:
     alone = blended([Corner(Point(0, 0, 2), 0)])[0]
     pace = paced(alone, [], ABLE)
     assert pace == Pace([0.0], [0.0], [0.0]) and pace.at(1.0) == (0.0, 0.0)
+
+
+STEPS = st.lists(
+    st.tuples(st.floats(0.2, 9.0), st.floats(-9.0, 9.0), st.floats(0.1, 20.0)),
+    min_size=1,
+    max_size=8,
+)
+
+
+@settings(deadline=None)
+@given(STEPS)
+def test_a_timed_pace_is_at_each_place_at_its_time_and_flies_forwards(
+    steps: list[tuple[float, float, float]],
+) -> None:
+    places, times = [Point(0, 0, 2)], [0.0]
+    for x, y, time in steps:
+        places.append(places[-1].plus((x, y, 0.0)))
+        times.append(times[-1] + time)
+    path, ways = spline(places)
+    pace = timed(path, ways, times)
+    for way, time, place in zip(ways, times, places, strict=True):
+        assert pace.at(time)[0] == pytest.approx(way)
+        assert path.place(pace.at(time)[0]) == pytest.approx(place, abs=1e-6)
+    assert pace.duration == times[-1]
+    assert all(a < b for a, b in pairwise(pace.ways)) and min(pace.speeds) > 0
+    assert len(pace.times) >= len(path.ways)
+    directions = [path.direction(way) for way in pace.ways]
+    slower = slowed(directions, pace, ABLE)
+    assert slower.ways == pace.ways and slower.duration >= pace.duration
+    velocities = [
+        Point(*(v * speed for v in d)) for d, speed in zip(directions, slower.speeds, strict=True)
+    ]
+    for a, b, t, u in zip(velocities, velocities[1:], slower.times, slower.times[1:], strict=False):
+        assert b.minus(a).norm() / (u - t) <= ABLE.acceleration * 1.001

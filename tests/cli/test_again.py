@@ -250,6 +250,47 @@ def test_settings_beside_again_are_refused(more: list[str], left_out: str, hop: 
     assert f"leave out {left_out}" in result.err
 
 
+PATH = """\
+mission: along
+states:
+  up: {do: takeoff, with: {altitude: 2 m}, on: {done: first}}
+  first:
+    do: follow_path
+    with: {shape: file, file: paths/short.csv}
+    on: {done: second, blocked: down}
+  second: {include: parts/back.yaml, on: {done: down}}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+BACK = """\
+states:
+  fly:
+    do: follow_path
+    with: {shape: file, file: back.csv}
+    on: {done: there, blocked: there}
+  there: {type: final}
+"""
+
+
+def test_a_run_with_files_of_paths_is_repeated_by_their_copies(write: Write) -> None:
+    for folder in ("missions/paths", "missions/parts"):
+        Path(folder).mkdir(parents=True)
+    write("missions/along.yaml", PATH)
+    write("missions/parts/back.yaml", BACK)
+    write("missions/paths/short.csv", "t,x,y,z,yaw\n0,0,0,2,0\n2,2,0,2,1\n4,3,1,2,2\n")
+    write("missions/parts/back.csv", "x,y,z\n3,1,2\n0,0,2\n")
+    result = run_cli("run", "missions/along.yaml")
+    assert result.code == 0, result.err
+    folder = only("runs")
+    kept = {"along.yaml", "parts/back.yaml", "parts/back.csv", "paths/short.csv"}
+    assert kept <= set(header(folder)["settings"]["files"])
+    shutil.rmtree("missions")
+    assert again(folder).code == 0
+    assert_the_same(folder, only("again"))
+    (folder / "paths/short.csv").write_text("x,y,z\n0,0,2\n1,0,2\n")
+    assert "short.csv: error: this copy is not as it was flown" in again(folder).err
+
+
 def test_neither_mission_nor_folder_is_an_error() -> None:
     assert run_cli("run").code == 2
     assert "[no-run]" in run_cli("run", "--again", "nothing_there").err

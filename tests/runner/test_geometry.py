@@ -444,6 +444,7 @@ SQUARE = "[[0, 0], [9, 0], [9, 9], [0, 9]]"
             "3 laps of a path",
             "laps",
         ),
+        ("follow_path, with: {shape: file}", "the shape file has no `file`", "shape"),
         (
             "follow_path, with: {shape: circle, points: [[1, 2, 3], [5, 2, 3]]}",
             "a circle leads through no `points`",
