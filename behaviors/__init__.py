@@ -18,7 +18,7 @@ from behaviors.params import (
     value,
 )
 from behaviors.pilot import Pilot
-from behaviors.plan import UNKNOWN, Legs, PlannedLeg, PlanStart
+from behaviors.plan import UNKNOWN, Legs, PlannedLeg, PlanStart, Unflyable
 from behaviors.registry import Registry, load_all
 from behaviors.trust import trusted
 from behaviors.vocabulary import drone_vocabulary
@@ -49,6 +49,7 @@ __all__ = [
     "Route",
     "Thresholds",
     "TookTooLong",
+    "Unflyable",
     "Waypoint",
     "action",
     "describe",

@@ -16,7 +16,7 @@ from behaviors.params import BehaviorParams, Heading, Route, live, param, value
 from behaviors.path import SAME, Path, repeated, spline, turns_back
 from behaviors.path_flight import PathFlight, planned_along
 from behaviors.path_follower import PathFollower
-from behaviors.plan import Legs, PlanStart, Slower, leg_to
+from behaviors.plan import Legs, PlanStart, Slower, Unflyable, leg_to
 from fsm.host import Outcome
 from vencejo.geometry import Point, distance
 
@@ -62,8 +62,7 @@ class _Course:
 
 
 class FollowPath(Behavior):
-    """Fly a smooth path, being at each place of it at its time: a curve through points, a circle or
-    a figure eight.
+    """Fly a smooth path, each place at its time: a curve, a circle or a figure eight.
 
     It flies to the begin of the path first, and comes to rest at its end. ``speed`` is the highest
     one on the path. Where the path needs more than the vehicle can do, it is flown more slowly, and
@@ -146,9 +145,12 @@ def _is_closed(params: Any) -> bool:
 
 
 def _course(params: Any, here: Point, agility: Agility) -> _Course:
-    """The path of the parameters. Raises ValueError where they make none."""
+    """The path of the parameters. Raises Unflyable where they make none."""
     if params.shape == "points":
         return _through_points(params, agility)
+    if params.points is not None:
+        message = f"a {params.shape} leads through no `points`"
+        raise Unflyable(message, "points", "leave them out, or the shape")
     centre = here if params.center is None else params.center
     if params.shape == "circle":
         turns = -params.laps if params.clockwise else params.laps
@@ -165,17 +167,31 @@ def _course(params: Any, here: Point, agility: Agility) -> _Course:
 
 def _through_points(params: Any, agility: Agility) -> _Course:
     places = _apart([point.at for point in params.points or ()])
-    if len(places) < 2:
-        raise ValueError("a path through points has two of them or more: give `points`")
-    for a, b, c in zip(places, places[1:], places[2:], strict=False):
+    least = 3 if params.closed else 2
+    if params.closed and len(places) > 1 and distance(places[0], places[-1]) <= SAME:
+        places = places[:-1]
+    if len(places) < least:
+        what = "a closed path" if params.closed else "a path"
+        message = f"{what} leads through {least} different points or more, not {len(places)}"
+        hint = "give `points`, or the `shape` circle or figure_eight"
+        raise Unflyable(message, "points", hint)
+    if params.laps > 1 and not params.closed:
+        message = f"{params.laps} laps of a path that does not come back to its first point"
+        raise Unflyable(message, "laps", "closed: true")
+    around = [*places, *places[:2]] if params.closed else places
+    for a, b, c in zip(around, around[1:], around[2:], strict=False):
         if turns_back(a, b, c):
-            raise ValueError(f"a smooth path cannot turn back at {tuple(b)}: use route")
+            raise Unflyable(f"a smooth path cannot turn back at {_shown(b)}", "points", "use route")
     path, _ = spline(places, params.closed)
     if params.closed:
         path = repeated(path, params.laps)
     pace = paced(path, [params.speed] * (len(path.ways) - 1), agility)
     slowest = min(bend_speed(bend, agility) for bend in path.bends())
     return _Course(path, pace, 0.0, min(params.speed, slowest))
+
+
+def _shown(place: Point) -> str:
+    return f"[{', '.join(f'{v:.4g}' for v in place)}]"
 
 
 def _apart(places: Sequence[Point]) -> list[Point]:

@@ -125,7 +125,7 @@ class Reference:
         along = vx * ux + vy * uy + vz * uz
         vx, vy, vz = vx - along * ux, vy - along * uy, vz - along * uz
         across = sqrt(vx * vx + vy * vy + vz * vz)
-        kept = max(0.0, 1 - ACCELERATION * dt / across) if across else 0.0
+        kept = 1 - ACCELERATION * dt / across if across > ACCELERATION * dt else 0.0
 
         most = acceleration_at(max(speed, abs(along)))
         lost = BRAKING * most * dt / 2
@@ -136,7 +136,8 @@ class Reference:
         wanted = min(wanted, max(0.0, follows + (MAX_LEAD - lead) * CATCH_UP))
         # Motion across the line counts towards the speed asked for.
         wanted = min(wanted, sqrt(max(0.0, speed * speed - (across * kept) ** 2)))
-        along += max(-most * dt, min(most * dt, wanted - along))
+        change, most = wanted - along, most * dt
+        along += most if change > most else -most if change < -most else change
 
         vx, vy, vz = vx * kept + along * ux, vy * kept + along * uy, vz * kept + along * uz
         self._carrot_velocity = Point(vx, vy, vz)

@@ -80,6 +80,7 @@ class ParamSpec:
     max: float
     choices: tuple[str, ...]
     help: str
+    names: str
 
 
 _MISSING: Any = object()
@@ -93,10 +94,16 @@ def param(
     max: float = inf,
     choices: tuple[str, ...] = (),
     help: str = "",
+    names: str = "",
 ) -> Any:
-    """Declare a parameter of ``with``; without a default it is required. Bounds are in ``unit``."""
+    """Declare a parameter of ``with``; without a default it is required. Bounds are in ``unit``.
+
+    One that ``names="camera"`` is the name of a camera, which the vehicle then needs and which is
+    the active one when the behaviour begins.
+    """
     required = default is _MISSING
-    return ParamSpec(None if required else default, required, False, unit, min, max, choices, help)
+    default = None if required else default
+    return ParamSpec(default, required, False, unit, min, max, choices, help, names)
 
 
 def live(default: Any = _MISSING, **settings: Any) -> Any:
@@ -155,6 +162,7 @@ class BehaviorParams:
                     spec.live,
                     spec.help,
                     spec.unit,
+                    spec.names,
                 )
                 setattr(cls, name, declared[name].default)
         cls._declared = declared

@@ -12,7 +12,7 @@ from behaviors.flight import Flight
 from behaviors.guidance import STILL, Reference, yaw_towards
 from behaviors.manoeuvre import EPSILON
 from behaviors.params import BehaviorParams, Heading, param
-from behaviors.plan import Legs, PlanStart
+from behaviors.plan import Legs, PlanStart, Unflyable
 from fsm.host import Outcome
 from hal.vehicle import Observation
 from vencejo.geometry import Point, wrap
@@ -46,7 +46,7 @@ class Photo(Behavior):
     name = "photo"
 
     class Params(BehaviorParams):
-        camera: str = param(help="the name of a camera of the vehicle")
+        camera: str = param(help="the name of a camera of the vehicle", names="camera")
         name: str = param("photo", help="of the picture: letters, digits, _ and -")
         heading: Heading = param("keep", help="an angle, keep or {face: point}")
         steady: float = param(0.5, unit="s", min=0.0, help="time without motion before it")
@@ -58,14 +58,12 @@ class Photo(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        _check(params)
         return []
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen = self.params, flight.observation
-        if not _NAME.fullmatch(params.name):
-            raise ValueError(
-                f"'{params.name:.70}' is no name of a picture: up to 64 letters, digits, _ and -"
-            )
+        _check(params)
         self.camera = flight.camera(params.camera)
         self.reference = Reference(seen.position, seen.velocity)
         self.start_yaw = self.yaw = seen.yaw
@@ -109,3 +107,13 @@ class Photo(Behavior):
 
     def progress(self) -> dict[str, Any]:
         return {"start_yaw": self.start_yaw, "elapsed": self.elapsed}
+
+
+def _check(params: Any) -> None:
+    """Raises Unflyable for a name that no file gets, and a heading that means nothing here."""
+    if isinstance(params.name, str) and not _NAME.fullmatch(params.name):
+        message = f"'{params.name:.70}' is no name of a picture"
+        raise Unflyable(message, "name", "up to 64 letters, digits, _ and -")
+    if isinstance(params.heading, str) and params.heading == "travel":
+        hint = "write an angle, keep or {face: point}"
+        raise Unflyable("it does not travel while it takes a picture", "heading", hint)

@@ -122,16 +122,15 @@ class Pilot:
 
     def _require(self, graph: Graph) -> None:
         """Refuse a mission that needs more than this vehicle can do. Raises UserError."""
-        for capability, node in graph.required().items():
+        for capability, needed in graph.required().items():
             if capability not in self.vehicle.capabilities:
-                behavior = node.invocation.behavior.name if node.invocation else ""
                 model = (
                     f"the model '{self.vehicle.model}'" if self.vehicle.model else "this vehicle"
                 )
                 raise UserError(
                     "missing-capability",
-                    f"'{behavior}' needs '{capability}', which {model} does not have",
-                    node.where,
+                    f"'{needed.by}' needs '{capability}', which {model} does not have",
+                    needed.where,
                     f"it has: {', '.join(sorted(self.vehicle.capabilities))}",
                 )
 
@@ -147,21 +146,27 @@ class Pilot:
         """Start a behaviour for a state (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
-        self._activate_camera(behavior)
+        self._activate_camera(behavior, parameters)
         return DroneActivity(behavior, parameters, progress, self.channel, self._post, self._calls)
 
     def resume(self, behavior: BehaviorInfo, state: str, saved: Mapping[str, Any]) -> DroneActivity:
         """Go on with a behaviour of a saved run (see fsm.Host)."""
         if "motion" in behavior.controls:
             self.channel.order = None
-        self._activate_camera(behavior)
+        self._activate_camera(behavior, saved["with"])
         return DroneActivity.resumed(behavior, saved, self.channel, self._post, self._calls)
 
-    def _activate_camera(self, behavior: BehaviorInfo) -> None:
+    def _activate_camera(self, behavior: BehaviorInfo, given: Mapping[str, Any]) -> None:
         """Make the camera that a behaviour needs the active one, where only one is."""
-        for word in behavior.requires:
+        named = (
+            f"{parameter.names}.{given[name]}"
+            for name, parameter in behavior.parameters.items()
+            if parameter.names and name in given
+        )
+        for word in (*behavior.requires, *named):
             kind, _, name = word.partition(".")
-            if kind == "camera":
+            # One that is given in flight and is not there: the behaviour's start tells it.
+            if kind == "camera" and word in self.vehicle.capabilities:
                 self.channel.vehicle.use_camera(name)
 
     def _post(self, name: str, fields: Mapping[str, Any]) -> None:

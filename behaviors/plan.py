@@ -25,6 +25,18 @@ class NotKnown(EvaluationError):
         super().__init__("this is known in flight only")
 
 
+class Unflyable(EvaluationError):
+    """Parameters that make no flight, wherever it begins: raised by a plan, which the check tells
+    as an error of the mission, and at the start of the behaviour.
+    """
+
+    def __init__(self, message: str, parameter: str = "", hint: str = "") -> None:
+        """``parameter``: the name of the one that is to be changed, if it is one."""
+        super().__init__(message)
+        self.parameter = parameter
+        self.hint = hint
+
+
 class Unknown:
     """Stands for a value that is only known in flight: whatever is made of it raises NotKnown."""
 

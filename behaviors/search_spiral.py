@@ -31,8 +31,9 @@ class Searched:
 
 
 class SearchSpiral(Behavior):
-    """Fly outwards round a point on a spiral, until its radius is reached. Detects nothing itself:
-    leave it by the event or the value of a companion that does.
+    """Fly outwards round a point on a spiral, until its radius is reached.
+
+    It detects nothing itself: leave it by the event or the value of a companion that does.
 
     It flies to the centre first. Ends in ``blocked`` when it comes no further for 15 s. Entered
     again by way of a history state, it goes on where it was.

@@ -11,10 +11,11 @@ from behaviors.arrival import Blocked
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.params import Area, BehaviorParams, Heading, param, value
-from behaviors.plan import Legs, PlanStart, leg_to
+from behaviors.plan import Legs, PlanStart, Unflyable, leg_to
 from behaviors.waypoint_flight import Goal, Tolerances, WaypointFlight
 from fsm.host import Outcome
 from vencejo.geometry import Point, bearing, distance, rotate_xy
+from vencejo.polylines import crossing_of
 
 _YAW_TOLERANCE = 0.3
 _MOST_LINES = 10_000
@@ -53,7 +54,9 @@ class Survey(Behavior):
         area: Area = param(help="the corners of the area")
         height: float = param(5.0, unit="m", help="above home")
         spacing: float | None = param(None, unit="m", min=0.1, help="between lines, at most")
-        camera: str = param("down", help="without spacing: the camera that must see it all")
+        camera: str | None = param(
+            None, help="without spacing: the camera that must see it all", names="camera"
+        )
         overlap: float = param(30.0, unit="%", min=0, max=90, help="of what it sees on two lines")
         axis: float | None = param(
             None, unit="rad", help="direction of the lines; without it, that of the longest side"
@@ -70,6 +73,7 @@ class Survey(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        _check(params)
         if params.spacing is None:
             return None  # what the camera sees is known in flight
         legs, here = [], start.position
@@ -80,6 +84,7 @@ class Survey(Behavior):
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, progress = self.params, progress or {}
+        _check(params)
         self.spacing: float | None = progress.get("spacing", params.spacing)
         self.index: int = progress.get("index", 0)
         self.way: WaypointFlight | None = None
@@ -140,6 +145,23 @@ class Survey(Behavior):
         }
 
 
+def _check(params: Any) -> None:
+    """Raises Unflyable where nobody can tell which lines they are."""
+    if params.spacing is None and params.camera is None:
+        hint = "give the `spacing`, or the `camera` that must see it all"
+        raise Unflyable("nothing says how far the lines are apart", "", hint)
+    corners = list(dict.fromkeys((corner.x, corner.y) for corner in params.area))
+    if len(corners) < 3:
+        raise Unflyable("an area has 3 different corners or more", "area")
+    crossed = crossing_of([*corners, corners[0]])
+    if crossed is not None:
+        where = f"[{crossed[0]:.4g}, {crossed[1]:.4g}]"
+        hint = "name its corners in order, as one walks round it"
+        raise Unflyable(
+            f"the outline of this area crosses or touches itself near {where}", "area", hint
+        )
+
+
 def survey_lines(
     area: list[Point], height: float, spacing: float, axis: float | None
 ) -> list[Point]:
@@ -147,7 +169,7 @@ def survey_lines(
 
     ``height`` is that of the lines, metres; ``spacing`` the largest distance between two of them;
     ``axis`` their direction, radians, None for that of the longest side. Where the area is concave
-    a line has several parts. Raises ValueError for an area without extent, or too many lines.
+    a line has several parts. Raises Unflyable for an area without extent, or too many lines.
     """
     if axis is None:
         a, b = max(zip(area, [*area[1:], area[0]], strict=True), key=lambda side: distance(*side))
@@ -156,7 +178,8 @@ def survey_lines(
     low, high = (pick(y for _, y in corners) for pick in (min, max))
     count = max(1, ceil((high - low) / spacing - 1e-9))
     if high - low < 1e-3 or count > _MOST_LINES:
-        raise ValueError(f"an area {high - low:g} m wide cannot be flown over in {count} lines")
+        message = f"an area {high - low:.3g} m wide cannot be flown over in {count} lines"
+        raise Unflyable(message, "area")
     places = []
     for k in range(count):
         y = low + (k + 0.5) * (high - low) / count

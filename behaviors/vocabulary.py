@@ -173,5 +173,6 @@ def drone_vocabulary(
         urgent=URGENT,
         reactions=dict(REACTIONS),
         must_land=MUST_LAND,
+        needs={"vehicle.wind": "wind"},
         places=None if places is None else frozenset(places),
     )

@@ -50,13 +50,14 @@ mission: lanes
 world: WORLD
 states:
   up: {do: takeoff, with: {altitude: 1.5 m}, on: {done: out}}
-  out: {do: goto, with: {to: [32, 0, 1.5], speed: 3 m/s}, on: {done: aside, blocked: down}}
-  aside: {do: goto, with: {to: [32, 4, 1.5], speed: 3 m/s}, on: {done: back, blocked: down}}
-  back: {do: goto, with: {to: [0, 4, 1.5], speed: 3 m/s}, on: {done: down, blocked: down}}
+  out: {do: goto, with: {to: [34, 0, 1.5], speed: 3 m/s}, on: {done: aside, blocked: stuck}}
+  aside: {do: goto, with: {to: [34, 4, 1.5], speed: 3 m/s}, on: {done: back, blocked: stuck}}
+  back: {do: goto, with: {to: [2, 4, 1.5], speed: 3 m/s}, on: {done: down, blocked: stuck}}
   down: {do: land, on: {done: end}}
   end: {type: final}
+  stuck: {type: final, outcome: failed}
 """
-"""Along the lanes of a field of boxes."""
+"""Along the lanes of a field of boxes, in the middle between them."""
 WIND = "3m/s@270deg,gusts=5m/s"
 Settings = Mapping[str, object]
 Job = Callable[[], float]
@@ -65,7 +66,7 @@ Job = Callable[[], float]
 def variants() -> dict[str, Settings]:
     """The settings to fly with, those of them that there are here."""
     chosen: dict[str, Settings] = {"": {}}
-    for setting, words in {"physics": ("ideal", "real"), "engine": ("pybullet", "mujoco")}.items():
+    for setting, words in {"physics": ("ideal", "real"), "engine": ("bullet", "mujoco")}.items():
         known = [word for word in words if _opens({setting: word})]
         if known:
             chosen = {

@@ -240,9 +240,11 @@ def _looked(assignments: Mapping[str, Assignment], asked: _Asked, calls: Calls) 
     }
     faults = list(faults_of_models(assignments, models))
     for name, model in models.items():
+        lacking = _lacking(assignments[name].prepared.graph, backend, model)
         # Without a word on what flies, any vehicle may.
-        if asked.backend is not None or assignments[name].model_word is not None:
-            faults += _lacking(assignments[name].prepared.graph, backend, model)
+        if asked.backend is None and assignments[name].model_word is None:
+            lacking = (replace(fault, severity="warning") for fault in lacking)
+        faults += lacking
     found = check_ways(assignments, terms, calls)
     return replace(found, faults=(*faults, *found.faults))
 

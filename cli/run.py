@@ -287,16 +287,21 @@ def _assignments(
 
 
 def _warn_of_ways(plan: Plan, limit_settings: LimitSettings, calls: Calls) -> None:
-    """Show what the possible ways of missions meet in their world."""
+    """Show what the possible ways of missions meet in their world. Raises UserError for what
+    cannot be flown.
+    """
     models = models_of(plan.backend, plan.assignments)
-    conflicts = list(faults_of_models(plan.assignments, models))
-    errors = [fault for fault in conflicts if fault.severity == "error"]
-    if errors:
-        raise UserError.of(errors)
     terms = {
         name: limit_settings.terms(flight_of(plan.backend, model)) for name, model in models.items()
     }
-    for fault in (*conflicts, *check_ways(plan.assignments, terms, calls).faults):
+    faults = [
+        *faults_of_models(plan.assignments, models),
+        *check_ways(plan.assignments, terms, calls).faults,
+    ]
+    errors = [fault for fault in faults if fault.severity == "error"]
+    if errors:
+        raise UserError.of(errors)
+    for fault in faults:
         click.echo(str(fault), err=True)
 
 

@@ -23,6 +23,7 @@ from fsm.expressions.scope import (
 from fsm.faults import Faults
 from fsm.language.includes import read_mission
 from fsm.language.keys import AT, MISSION_NAME, SMALL_NAME, Place
+from fsm.language.reader import FLEET
 from fsm.language.spec import MissionSpec
 from fsm.values.types import ANY, BOOL, MapOf, Number
 from vencejo.errors import UserError, Where, nearest
@@ -76,9 +77,13 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     vehicles = node.get("vehicles")
     members: list[Member] = []
     entries = vehicles.entries if isinstance(vehicles, MapNode) else []
-    if not entries:
-        hint = "vehicles: {name: {mission: file.yaml}}"
-        faults.fail("no-vehicles", "a fleet needs `vehicles`", node.where, hint)
+    hint = "vehicles: {name: {mission: file.yaml}}"
+    if vehicles is not None and not isinstance(vehicles, MapNode):
+        message = f"`vehicles` is a map of names, not {kind(vehicles)}"
+        faults.fail("wrong-type", message, vehicles.where, hint)
+    elif not entries:
+        where = vehicles.where if vehicles else node.where
+        faults.fail("no-vehicles", "a fleet needs `vehicles`", where, hint)
     for name, value in entries:
         with faults.collecting():
             members.append(_member(name, value, path.parent, shown, faults))
@@ -208,7 +213,14 @@ def _member(name: Scalar, node: YamlNode, folder: Path, shown: str, faults: Faul
     if path.suffix == ".scxml":
         message = "a fleet's missions are written in YAML, and this is SCXML"
         raise UserError("not-a-mission", message, word.where)
-    spec = read_mission(path, str(PurePosixPath(shown).parent / word.text))
+    try:
+        spec = read_mission(path, str(PurePosixPath(shown).parent / word.text))
+    except UserError as error:
+        if error.code != FLEET:
+            raise
+        message = f"'{word.text}' is a fleet, and a vehicle flies a mission"
+        hint = "name the vehicles of that fleet here, too"
+        raise UserError(FLEET, message, word.where, hint) from None
     return Member(name, spec, path, with_, model, start, color)
 
 

@@ -33,6 +33,8 @@ class Parameter:
     help: str = ""
     unit: str = ""
     """The unit its default is shown in."""
+    names: str = ""
+    """The kind of what its value names: the vehicle needs the capability ``KIND.value``."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,8 @@ class Vocabulary:
     """The functions that `call` may run, by name."""
     peers: frozenset[str] | None = None
     """The vehicles of the fleet that the mission is part of; None when it flies alone."""
+    needs: Mapping[str, str] = field(default_factory=dict)
+    """The capabilities that the host's values need, by names such as ``vehicle.wind``."""
 
     def is_urgent(self, event: str) -> bool:
         """Whether an event goes ahead of all others."""

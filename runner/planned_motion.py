@@ -8,7 +8,7 @@ from math import dist, isfinite
 from typing import Any, NamedTuple
 
 from behaviors import UNKNOWN, Calls, CodeFailed, MissionFrame, PlannedLeg, PlanStart
-from behaviors.plan import NotKnown, Unknown
+from behaviors.plan import NotKnown, Unflyable, Unknown
 from fsm.chart.graph import Node
 from fsm.expressions.compiled import Compiled
 from fsm.host import BehaviorInfo
@@ -196,7 +196,9 @@ class Planner:
         except CodeFailed as error:
             if not isinstance(error.cause, NotKnown) or point is not None:
                 self.unknown[node] = None
-            if not isinstance(error.cause, NotKnown):
+            if isinstance(error.cause, Unflyable):
+                self._tell(_fault_of(node, error.cause))
+            elif not isinstance(error.cause, NotKnown):
                 at = f" ({error.where.file}:{error.where.line})" if error.where else ""
                 self._mistake(node, f"failed: {error.message}{at}")
             return None
@@ -223,7 +225,9 @@ class Planner:
         assert node.invocation is not None
         message = f"the plan of '{node.invocation.behavior.name}' {what}"
         hint = "`plan` returns a list of PlannedLeg in the mission frame, or None"
-        fault = Fault("broken-plan", message, node.where, hint, "warning")
+        self._tell(Fault("broken-plan", message, node.where, hint, "warning"))
+
+    def _tell(self, fault: Fault) -> None:
         if fault not in self.faults:
             self.faults.append(fault)
 
@@ -256,6 +260,17 @@ class Planner:
             for begin, leg in legs
             if begin is not None
         )
+
+
+def _fault_of(node: Node, unflyable: Unflyable) -> Fault:
+    """The fault for parameters that make no flight, at the one that is to be changed."""
+    invocation = node.invocation
+    assert invocation is not None
+    name = unflyable.parameter
+    given = invocation.live.get(name) or invocation.with_.get(name)
+    message = f"'{invocation.behavior.name}' cannot fly this: {unflyable}"
+    where = given.where if given else node.where
+    return Fault("unflyable", message, where, unflyable.hint or None, "error")
 
 
 def _is_open(leg: PlannedLeg) -> bool:

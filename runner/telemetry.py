@@ -19,7 +19,8 @@ COLUMNS = ",".join((_BEFORE, *_COMMANDED, _AFTER))
 KNOWN_COLUMNS = (COLUMNS, f"{_BEFORE},{_AFTER}")
 """Those of this release, and of earlier ones, which did not keep set-points."""
 _ROW = "%.3f,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%s,%s,%s"
-_POSITION = "position,%.4f,%.4f,%.4f,%s,%s,%s,%s,%s,,,,"
+_POSITION = "position,%.4f,%.4f,%.4f,%s,%s,%s,,,,"
+_SPEEDS = "%.4f,%.4f,%.4f"
 _VELOCITY = "%s,,,,%.4f,%.4f,%.4f,,%.5f,,,,"
 _ATTITUDE = "%s,,,,,,,,%.5f,%.5f,%.5f,%.4f,%s"
 _HOLD = "hold" + "," * (len(_COMMANDED) - 1)
@@ -101,21 +102,21 @@ def _commanded(setpoint: Setpoint) -> str:
     """The cells of a set-point; those that it does not give are empty."""
     if isinstance(setpoint, Position):
         x, y, z = setpoint.xyz
-        speeds = [_number(speed) for speed in setpoint.velocity or (None, None, None)]
-        turn = _number(setpoint.yaw, 5), _number(setpoint.yaw_rate, 5)
-        return _POSITION % (x, y, z, *speeds, *turn)
+        moves = ",," if setpoint.velocity is None else _SPEEDS % setpoint.velocity
+        return _POSITION % (x, y, z, moves, _angle(setpoint.yaw), _angle(setpoint.yaw_rate))
     if isinstance(setpoint, Velocity):
         kind = "heading-velocity" if setpoint.frame == "heading" else "velocity"
         return _VELOCITY % (kind, setpoint.x, setpoint.y, setpoint.z, setpoint.yaw_rate)
     if isinstance(setpoint, Attitude):
         roll, pitch, climb, thrust, yaw_rate, unit = setpoint
         kind = "attitude-share" if unit == "share" else "attitude"
-        return _ATTITUDE % (kind, yaw_rate, roll, pitch, climb, _number(thrust))
+        share = "" if thrust is None else f"{thrust:.4f}"
+        return _ATTITUDE % (kind, yaw_rate, roll, pitch, climb, share)
     return _HOLD
 
 
-def _number(value: float | None, digits: int = 4) -> str:
-    return "" if value is None else f"{value:.{digits}f}"
+def _angle(value: float | None) -> str:
+    return "" if value is None else f"{value:.5f}"
 
 
 def _setpoint(cells: Sequence[str]) -> Setpoint | None:

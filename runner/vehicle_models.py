@@ -76,7 +76,7 @@ def _cameras(node: Node) -> frozenset[str]:
         return frozenset()
     return frozenset(
         word.removeprefix(_CAMERA)
-        for word in node.invocation.behavior.requires
+        for word in node.invocation.required()
         if word.startswith(_CAMERA)
     )
 
@@ -108,12 +108,12 @@ def _name(node: Node) -> str:
 
 
 def missing_capabilities(graph: Graph, offered: frozenset[str], who: str) -> Iterator[Fault]:
-    """Faults for the capabilities that behaviours need and ``who`` does not offer."""
-    for capability, node in graph.required().items():
+    """Faults for the capabilities that a mission needs and ``who`` does not offer."""
+    for capability, needed in graph.required().items():
         if capability not in offered:
             yield Fault(
                 "missing-capability",
-                f"'{_name(node)}' needs '{capability}', which {who} does not offer",
-                node.where,
+                f"'{needed.by}' needs '{capability}', which {who} does not offer",
+                needed.where,
                 f"it offers: {', '.join(sorted(offered))}",
             )

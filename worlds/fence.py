@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import hypot, inf
 
 from vencejo.geometry import Point
-from worlds.roads import crossing_of, legs_meet
+from vencejo.polylines import crossing_of, legs_meet
 from worlds.values import COORDINATE, FLAT_SPOT, Field, Misfit, array, record
 from worlds.world import Fence
 

@@ -23,6 +23,7 @@ from vencejo.units import (
     SPEED,
     UNITS,
     Dimension,
+    format_quantity,
     parse_number,
     read_quantity,
 )
@@ -111,7 +112,9 @@ def quantity(dimension: Dimension, low: float = -inf, high: float = inf) -> Valu
             )
         value = read_quantity(node.text, dimension, node.where)
         if not (isfinite(value) and low <= value <= high):
-            span = f"{low:g} to {high:g}" if isfinite(high) else "a finite number"
+            span = "a finite number"
+            if isfinite(high):
+                span = " to ".join(format_quantity(bound, dimension) for bound in (low, high))
             raise UserError(
                 "out-of-range", f"{dimension} of {node.text}; it must be {span}", node.where
             )

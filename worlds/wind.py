@@ -36,7 +36,14 @@ def _turbulence(node: YamlNode) -> float | str:
     word = node.text if isinstance(node, Scalar) else ""
     if word == NATURAL:
         return NATURAL
-    return TURBULENCE[word] if word in TURBULENCE else _SPEED.read(node)
+    if word in TURBULENCE:
+        return TURBULENCE[word]
+    try:
+        return _SPEED.read(node)
+    except UserError as error:
+        words = ", ".join((NATURAL, *TURBULENCE))
+        fault = replace(error.faults[0], hint=f"a speed, or one of {words}")
+        raise UserError.of([fault]) from None
 
 
 def _gusts(to: float, duration: float, every: float | None, at: tuple[float, ...]) -> Gusts:

@@ -154,6 +154,17 @@ class Invocation:
     slot: int
     """The slot of its published values; -1 when it publishes nothing."""
 
+    def required(self) -> set[str]:
+        """The capabilities that the behaviour needs, with the values that it is given."""
+        given = (*self.with_.values(), *self.live.values())
+        named = {
+            f"{parameter.names}.{self.with_[name].value()}"
+            for name, parameter in self.behavior.parameters.items()
+            if parameter.names and name in self.with_ and self.with_[name].constant
+        }
+        asked = {need for value in given for need in value.needs}
+        return {*self.behavior.requires, *asked, *named}
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Given:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from transitions.core import Condition, EventData, State, Transition
 
@@ -273,6 +273,14 @@ def build_nodes(draft: Draft, first_slot: int, matches: Matching) -> tuple[Node,
     return nodes
 
 
+class Needed(NamedTuple):
+    """What needs a capability of the vehicle."""
+
+    by: str
+    """A behaviour, or a value such as ``vehicle.wind``."""
+    where: Where
+
+
 @dataclass(frozen=True, eq=False)
 class Graph:
     """A compiled mission. Also what `transitions` calls the machine of an event.
@@ -299,6 +307,8 @@ class Graph:
     """True when outer states take precedence over inner ones in selection."""
     messages: tuple[Message, ...] = ()
     """The events that its actions raise, send and cancel."""
+    host_fields: Mapping[str, Where] = field(default_factory=lambda: MappingProxyType({}))
+    """What it reads of the host's values, such as ``vehicle.wind``, with the first place."""
     warnings: tuple[Fault, ...] = ()
     send_event: bool = True
     """`transitions`' word for callbacks that take the event's data as their only argument."""
@@ -353,17 +363,15 @@ class Graph:
         except FAILURES as error:
             raise UserError("wrong-value", f"{name}: {error}") from None
 
-    def required(self) -> dict[str, Node]:
-        """Capabilities that the mission's behaviours need, each with a state that needs it."""
-        return {
-            capability: node
-            for node in reversed(self.nodes)
-            if node.invocation
-            for capability in (*node.invocation.behavior.requires, *_asked_by(node.invocation))
-        }
-
-
-def _asked_by(invocation: Invocation) -> set[str]:
-    """The capabilities that the values given to a behaviour need."""
-    given = (*invocation.with_.values(), *invocation.live.values())
-    return {need for value in given for need in value.needs}
+    def required(self) -> dict[str, Needed]:
+        """Capabilities that the mission needs, each with what needs it first."""
+        found: dict[str, Needed] = {}
+        for node in self.nodes:
+            if node.invocation:
+                user = Needed(node.invocation.behavior.name, node.where)
+                for capability in sorted(node.invocation.required()):
+                    found.setdefault(capability, user)
+        for name, where in self.host_fields.items():
+            if name in self.vocabulary.needs:
+                found.setdefault(self.vocabulary.needs[name], Needed(name, where))
+        return found

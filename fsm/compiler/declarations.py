@@ -29,7 +29,7 @@ from fsm.faults import Faults
 from fsm.host import Parameter, Vocabulary
 from fsm.language.spec import ActionSpec, MissionSpec, Named, StateSpec
 from fsm.values.types import ANY, NAMED, MapOf, Number, Type
-from vencejo.errors import UserError, nearest
+from vencejo.errors import UserError, Where, nearest
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar
@@ -50,6 +50,8 @@ class Declarations:
         """The scope of each state, by its index."""
         self.graphs: dict[int, Namespace] = {}
         """The namespace of each graph, by the index of its root."""
+        self.host_fields: dict[str, Where] = {}
+        """See Scope."""
         self._size = Size()
         self._names: list[Namespace] = []
         """The namespace of each state, by its index."""
@@ -87,7 +89,7 @@ class Declarations:
         return {state.path.removeprefix(around): state.index for state in inside}
 
     def _host_scope(self) -> Scope:
-        scope = Scope(warnings=self.faults, size=self._size)
+        scope = Scope(warnings=self.faults, size=self._size, host_fields=self.host_fields)
         scope.names["time"] = Binding("time", "host", Number(TIME), TIME_SLOT)
         scope.names["dt"] = Binding("dt", "host", Number(TIME), PERIOD_SLOT)
         for index, (name, type_) in enumerate(self.vocabulary.names.items()):

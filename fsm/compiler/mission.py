@@ -76,6 +76,7 @@ def compile_mission(
         outer_first=spec.outer_first,
         source=spec,
         messages=tuple(compiler.messages),
+        host_fields=MappingProxyType(names.host_fields),
     )
     faults.extend(check(graph, {graph.nodes[state.index] for state in compiler.flawed}))
     # A define's mistake shows at each of its uses, always at the same place.

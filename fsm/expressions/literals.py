@@ -41,7 +41,7 @@ from fsm.values.types import (
     in_bounds,
     join_all,
 )
-from vencejo.errors import Correction, Fault, UserError, Where, nearest
+from vencejo.errors import Correction, Fault, UserError, Where, certain, nearest
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, Sequence, YamlNode, kind
@@ -360,7 +360,12 @@ def _read_mapping(node: MapNode, place: Type, context: Context) -> Compiled:
 
 def _point_form(node: MapNode, context: Context) -> Compiled:
     names = {key.text for key, _ in node}
-    form = max(POINT_FORMS, key=lambda form: len(names & set(form)))
+    known = {name for form in POINT_FORMS for name in form}
+    alike = {name if name in known else certain(name, known) for name in names}
+    form = max(POINT_FORMS, key=lambda form: len(alike & set(form)))
+    if names <= known and not names <= set(form):
+        shown = " and ".join(f"`{name}`" for name in sorted(names - {"frame"}))
+        raise UserError("wrong-type", f"no point is given by {shown}", node.where, _POINT_HELP)
     compiled = _fields_of(node, MapOf(form), context, POINT)
     if "lat" in form and not {"lat", "lon"} <= names:
         raise UserError("missing-key", "a place by latitude needs lat and lon", node.where)

@@ -103,6 +103,9 @@ class Scope:
     """What is doubtful in the expressions compiled here; scopes inside share the list."""
     size: Size = field(default_factory=Size)
     """The size of what was compiled here; scopes inside share it."""
+    host_fields: dict[str, Where] = field(default_factory=dict)
+    """What is read of the host's values, such as ``vehicle.wind``, with the first place of each;
+    scopes inside share it."""
 
     def find(self, name: str) -> Binding | Define | None:
         """The declaration of a name here or further out; None when it is unknown."""
@@ -186,4 +189,10 @@ class Scope:
         return inner
 
     def _inner(self, entered_slot: int) -> Scope:
-        return Scope(self, entered_slot=entered_slot, warnings=self.warnings, size=self.size)
+        return Scope(
+            self,
+            entered_slot=entered_slot,
+            warnings=self.warnings,
+            size=self.size,
+            host_fields=self.host_fields,
+        )

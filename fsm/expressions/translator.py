@@ -312,10 +312,19 @@ class Translator:
                 what = ast.unparse(node.value)
                 hint = nearest(name, type_.fields)
                 self.fail(node, "unknown-field", f"'{what}' has no '{name}'", hint)
+            if isinstance(node.value, ast.Name) and self._is_of_host(node.value.id):
+                place = self.parsed.place(node)
+                self.scope.host_fields.setdefault(f"{node.value.id}.{name}", place)
             return self._part(code, name, fn.part), type_.fields[name]
         if isinstance(type_, (MapOf, AnyType)):
             return f"{self.use('field', fn.field)}({code}, {name!r})", ANY
         self.fail(node, "unknown-field", f"{type_} has no fields")
+
+    def _is_of_host(self, name: str) -> bool:
+        """Whether a name is the host's, and nothing nearer has it."""
+        found = self.scope.find(name)
+        own = name in self.locals or name in self.arguments
+        return not own and isinstance(found, Binding) and found.kind == "host"
 
     def _is_event(self, node: ast.expr) -> bool:
         """Whether it is ``event`` itself."""

@@ -41,5 +41,5 @@ class Battery:
     def drain(self, power: float, seconds: float) -> None:
         """Drain the charge that a power (watts) takes over a time (s)."""
         pack, charge = self._pack, self.charge
-        self._current = pack.current(power, charge)
-        self.charge = max(0.0, charge - pack.drain(power, charge) * seconds)
+        self._current = current = pack.current(power, charge)
+        self.charge = max(0.0, charge - pack.drain(current, charge) * seconds)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import cos, hypot, pi, sin
 
 from hal.sim.contact_debouncer import ContactDebouncer
@@ -48,14 +48,18 @@ class ContactTracker:
         body: Body,
         model: Model,
         obstacles: ObstacleHeightGrid,
+        velocity_of: Callable[[str], Triple],
     ) -> None:
-        """``obstacles``: where contacts with the world are possible."""
+        """``obstacles``: where contacts with the world are possible; ``velocity_of``: the velocity
+        of a vehicle before the last physics step, m/s, by its name.
+        """
         self._physics = physics
         self._body = body
         self._height = model.height
         self._level = cos(model.steepest_ground)
         """Least upward part of the unit normal of a surface that it can stand on."""
         self._obstacles = obstacles
+        self._velocity_of = velocity_of
         self._touches: Sequence[Touch] = ()
         """Of the last physics step."""
         self._collisions = ContactDebouncer()
@@ -71,6 +75,8 @@ class ContactTracker:
         """True when it can touch the ground in this mission period."""
         self.impact = 0.0
         """Largest speed at which it was hit in this mission period, m/s."""
+        self.hit_by = ""
+        """Name of what hit it at that speed; the ground has none."""
         self.supported = True
         """True when the vehicle stands, or lies without thrust, on something."""
         self.still = 0
@@ -120,18 +126,24 @@ class ContactTracker:
         """Read the contacts after a physics step."""
         self._touches = touches = self._body.contacts()
         for touch in touches:
-            closing = self._closing_speed(touch)
-            self.impact = max(self.impact, closing)
+            closing = self._hit(touch)
             if touch.name:
                 may_stand = self._may_stand and not touch.free and touch.normal[2] >= self._level
                 self._collisions.add(touch.name, not may_stand or closing > _SOFT)
         self._velocity = state[2]
 
-    def _closing_speed(self, touch: Touch) -> float:
+    def _hit(self, touch: Touch) -> float:
+        """Take down a touch; the speed (m/s) across the surface at which the two came together.
+
+        What moves freely has lost a part of it in the hit: what counts is its velocity before.
+        """
         nx, ny, nz = touch.normal
         vx, vy, vz = self._velocity
-        x, y, z = touch.velocity
-        return (x - vx) * nx + (y - vy) * ny + (z - vz) * nz
+        x, y, z = self._velocity_of(touch.name) if touch.free else touch.velocity
+        closing = (x - vx) * nx + (y - vy) * ny + (z - vz) * nz
+        if closing > self.impact:
+            self.impact, self.hit_by = closing, touch.name
+        return closing
 
     def end_period(self, state: BodyState, active: bool, thrust: bool) -> None:
         """End a mission period; unless ``active``, support and rest stay as they are."""
@@ -141,7 +153,7 @@ class ContactTracker:
         elif not self.near_things and self.near_ground:
             self._touches = self._body.contacts()  # the ground alone: no collision
             for touch in self._touches:
-                self.impact = max(self.impact, self._closing_speed(touch))
+                self._hit(touch)
         self._collisions.end_period()
         if active:
             self._update_rest(state, thrust)

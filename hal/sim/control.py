@@ -40,6 +40,9 @@ _YAW_STOPPED = 0.05
 """Turn rate below which a turn has ended and the heading is held, rad/s."""
 _LEAST_UP = 1.0
 """Least vertical part of the thrust over the mass, m/s²: without any it has no direction."""
+_LEAST_LIFT = 0.3
+"""Vertical acceleration that the largest thrust leaves at the largest tilt, m/s²: where a battery
+sags, height goes before place."""
 _LEAST_COSINE = 0.5
 """Cosine of the tilt above which the load factor is no longer increased."""
 _NOTHING = (0.0, 0.0, 0.0)
@@ -53,12 +56,15 @@ class Controller:
     Heights are those of the skids, as in everything that the simulator reports.
     """
 
-    def __init__(self, model: Model, lag: float = 0.0) -> None:
-        """``lag``: time constant of the rotors, seconds."""
+    def __init__(self, model: Model, lag: float = 0.0, *, observes: bool = False) -> None:
+        """``lag``: time constant of the rotors, seconds; ``observes``: whether to estimate the
+        forces that are not the rotors'.
+        """
+        self._estimates = observes
         self._center_height = model.height
         self._mass = model.mass
         self.max_thrust = model.max_thrust
-        """Newtons."""
+        """Newtons (see :meth:`limit_thrust`)."""
         self._observes = False
         """True to estimate, in this mission period, the forces that are not the rotors'."""
         self._felt = self._felt_before = (0.0, 0.0, 0.0)
@@ -109,7 +115,17 @@ class Controller:
     @max_tilt.setter
     def max_tilt(self, tilt: float) -> None:
         self._max_tilt = tilt
-        self._max_tilt_tan = tan(tilt)
+        self._limit_tilt()
+
+    def limit_thrust(self, thrust: float) -> None:
+        """Set the largest thrust, newtons, and with it how far it can lean and keep its height."""
+        self.max_thrust = thrust
+        self._limit_tilt()
+
+    def _limit_tilt(self) -> None:
+        ratio = self.max_thrust / self._mass / (GRAVITY + _LEAST_LIFT)
+        carried = sqrt(ratio * ratio - 1.0) if ratio > 1.0 else 0.0
+        self._max_tilt_tan = min(tan(self._max_tilt), carried)
 
     # Targets.
 
@@ -191,7 +207,7 @@ class Controller:
             vz = max(vz, _approach_speed(self.min_altitude - z, _POSITION_GAIN, _DECELERATION))
         if self.max_altitude < inf:
             vz = min(vz, _approach_speed(self.max_altitude - z, _POSITION_GAIN, _DECELERATION))
-        vz = max(-self.max_climb, min(self.max_climb, vz))
+        vz = _clamped(vz, self.max_climb)
 
         noise_x, noise_y, noise_z, noise_yaw = self.noise
         if self._in_heading_frame:
@@ -255,8 +271,9 @@ class Controller:
             direction_x, direction_y = (
                 (direction_x / across, direction_y / across) if across else (1.0, 0.0)
             )
-        push = thrust / self._mass * STEP
-        self._expected = vx + r13 * push, vy + r23 * push, vz + r33 * push - GRAVITY * STEP
+        if self._estimates:
+            push = thrust / self._mass * STEP
+            self._expected = vx + r13 * push, vy + r23 * push, vz + r33 * push - GRAVITY * STEP
         last_x, last_y = self._turning
         self._turning = wx, wy
         tx = -self._gain_x * direction_y - self._damping_x * wx - self._lead_x * (wx - last_x)
@@ -286,6 +303,15 @@ class Controller:
         )
         return felt
 
+    def expect(self, excess: float, axes: Axes) -> None:
+        """Expect that much more thrust (N) in the next step than was wanted.
+
+        That which the rotors give for the sake of tilt is no force of the air.
+        """
+        if self._expected is not None:
+            (x, y, z), push = self._expected, excess / self._mass * STEP
+            self._expected = x + axes[2] * push, y + axes[5] * push, z + axes[8] * push
+
     def observe(self, on: bool) -> None:
         """Begin a mission period with observation, or discard that of the last one.
 
@@ -295,7 +321,7 @@ class Controller:
             self._felt_before = self._felt
         else:
             self._felt = self._felt_before
-        self._observes = on
+        self._observes = on and self._estimates
 
     def forget(self) -> None:
         """Forget what has been observed, since something else acts on the vehicle now."""
@@ -325,7 +351,7 @@ def _tilt_gains(lag: float) -> tuple[float, float, float]:
 
 
 def _clamped(value: float, most: float) -> float:
-    return max(-most, min(most, value))
+    return -most if value < -most else most if value > most else value
 
 
 def _approach_speed(distance: float, gain: float, deceleration: float) -> float:

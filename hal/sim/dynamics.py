@@ -30,7 +30,13 @@ class Dynamics:
     """
 
     def __init__(
-        self, name: str, physics: Physics, model: Model, effects: Effects, start: StartPose
+        self,
+        name: str,
+        physics: Physics,
+        model: Model,
+        effects: Effects,
+        start: StartPose,
+        pose_history: PoseHistory,
     ) -> None:
         self._model, self.effects = model, effects
         self.rotors = model.rotors
@@ -43,18 +49,21 @@ class Dynamics:
             name,
         )
         self.state: BodyState = self.body.state()
-        self.pose_history = PoseHistory()
+        self.pose_history = pose_history
         self._add_pose = self.pose_history.append
         self._add_pose(self.state)
-        self.controller = Controller(model, model.rotors.time_constant if effects.rotors else 0.0)
+        lag = model.rotors.time_constant if effects.rotors else 0.0
+        self.controller = Controller(model, lag, observes=effects.rotors or effects.drag)
         self._drive: Drive = RotorDrive(model) if effects.rotors else IdealDrive(model)
-        self._airflow = Airflow(model) if effects.drag else None
+        self._air_force = Airflow(model).force if effects.drag else None
         # The calls of each physics step, looked up once.
         self._control, self._rotate = self.controller.step, self._drive.step
         self._move = Motion(model).step
         self._read_state, self._push = self.body.state, self.body.push
         self.wind: Triple = (0.0, 0.0, 0.0)
         """Velocity of the air about it in this mission period, m/s, world frame."""
+        self.velocity_before: Triple = (0.0, 0.0, 0.0)
+        """Before the last physics step, m/s, world frame."""
         self.free = False
         """True in a mission period of free flight."""
         self._motors_run = False
@@ -103,9 +112,9 @@ class Dynamics:
         controller, effects = self.controller, self.effects
         if effects.sag:
             self._drive.share = voltage * voltage
-            controller.max_thrust = self._model.max_thrust * self._drive.share
+            controller.limit_thrust(self._model.max_thrust * self._drive.share)
         self._ground_effect = self._gain_at(height) if effects.ground_effect else 1.0
-        controller.observe((effects.rotors or effects.drag) and not touched)
+        controller.observe(not touched)
 
     def _gain_at(self, height: float) -> float:
         """The thrust at a height of the rotors above ground over that far from it.
@@ -118,36 +127,38 @@ class Dynamics:
         ratio = radius / (4 * max(height, radius / 2))
         return 1 / (1 - ratio * ratio)
 
-    def fly(self) -> None:
-        """Make the steps of a mission period of free flight."""
-        for _ in range(STEPS_PER_PERIOD):
-            self.drive()
-            self._add_pose(self.state)
-
-    def drive(self) -> None:
-        """Apply the forces of the next physics step; in free flight, make it."""
-        state = self.state
-        axes = axes_of(state[1])
-        thrust = x = y = z = fx = fy = fz = 0.0
-        if self._motors_run:
-            thrust, x, y, z = self._rotate(self._control(state, axes))
-            self._thrust_sum += thrust
-            fz = thrust * self._ground_effect
-        elif self._supported:
+    def drive(self, steps: int = 1) -> None:
+        """Apply the forces of the next physics step; in free flight, make so many steps."""
+        free, motors_run, state = self.free, self._motors_run, self.state
+        if self._supported and not motors_run and not free:
             return
-        if self._airflow is not None:
-            fx, fy, az = self._airflow.force(axes, state[2], self.wind, self._motors_run)
-            fz += az
-        if self.free:
-            self.state = self._move(state, axes, (fx, fy, fz), (x, y, z))
-        else:
-            self._push((fx, fy, fz), (x, y, z))
+        control, rotate, air_force = self._control, self._rotate, self._air_force
+        wind, ground_effect = self.wind, self._ground_effect
+        for _ in range(steps):
+            self.velocity_before = state[2]
+            axes = axes_of(state[1])
+            x = y = z = fx = fy = fz = 0.0
+            if motors_run:
+                thrust, x, y, z = rotate(control(state, axes))
+                if self._drive.excess:
+                    self.controller.expect(self._drive.excess, axes)
+                self._thrust_sum += thrust
+                fz = thrust * ground_effect
+            if air_force is not None:
+                fx, fy, az = air_force(axes, state[2], wind, motors_run)
+                fz += az
+            if free:
+                state = self._move(state, axes, (fx, fy, fz), (x, y, z))
+                self._add_pose(state)
+            else:
+                self._push((fx, fy, fz), (x, y, z))
+        self.state = state
 
     def sense(self) -> None:
-        """Read the state after a physics step."""
+        """Read the state after a physics step of the engine."""
         if not self.free:
-            self.state = self._read_state()
-        self._add_pose(self.state)
+            self.state = state = self._read_state()
+            self._add_pose(state)
 
     def power(self, armed: bool) -> float:
         """Electrical power in this mission period, watts."""

@@ -35,7 +35,7 @@ class Rotors:
     efficiency: float
     """Ideal (momentum theory) over electrical power: rotor, motor and its controller."""
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Of all four discs, m²."""
         return 4 * pi * self.radius * self.radius
@@ -84,9 +84,9 @@ class BatteryPack:
         root = sqrt(max(0.0, voltage * voltage - 4 * self.resistance * power))
         return (voltage - root) / (2 * self.resistance)
 
-    def drain(self, power: float, charge: float) -> float:
-        """How fast a power (watts) takes the charge, with what the resistance takes, 1/s."""
-        return self.current(power, charge) * self.voltage(charge) / self.energy
+    def drain(self, current: float, charge: float) -> float:
+        """How fast a current (amperes) takes the charge, with what the resistance takes, 1/s."""
+        return current * self.voltage(charge) / self.energy
 
 
 @dataclass(frozen=True)
@@ -127,12 +127,12 @@ class Model:
     color: Color | None
     """Of its hull; None for one that its name decides."""
 
-    @property
+    @cached_property
     def height(self) -> float:
         """Height of the centre of mass above the skids, metres."""
         return self.size[2] / 2
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """How far it reaches from its centre of mass, metres."""
         return hypot(*self.size) / 2
@@ -142,7 +142,7 @@ class Model:
         """Newtons."""
         return self.mass * GRAVITY
 
-    @property
+    @cached_property
     def max_thrust(self) -> float:
         """Of all four rotors at a full battery, newtons."""
         return 4 * self.rotors.max_thrust
@@ -175,5 +175,7 @@ class Model:
     @cached_property
     def endurance(self) -> float:
         """Seconds of hovering on a full battery: the sum over a hundred parts of its charge."""
-        drains = (self.battery.drain(self.hover_power, (k + 0.5) / 100) for k in range(100))
+        pack, power = self.battery, self.hover_power
+        charges = ((k + 0.5) / 100 for k in range(100))
+        drains = (pack.drain(pack.current(power, charge), charge) for charge in charges)
         return sum(0.01 / drain for drain in drains)

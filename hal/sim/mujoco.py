@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from math import dist, inf
+from math import dist, inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -73,6 +73,8 @@ class Mujoco:
         self._top = 0.0
         """Height of the highest ground, metres."""
         self._steps = 0
+        self._hit = np.empty(1, np.int32)
+        """Where MuJoCo writes the number of the shape that a ray meets."""
         self._scene.add_ground(MujocoFixed(""))
 
     @property
@@ -213,41 +215,38 @@ class Mujoco:
             body.fall_asleep()
 
     def ray(self, start: Triple, end: Triple) -> Point | None:
-        hits = self.rays([start], [end])
-        (distance,) = hits.distances
+        self._place_shapes()
+        distance, _ = self._cast(start, end)
         if distance == inf:
             return None
         share = distance / dist(start, end)
         return Point(*(a + (b - a) * share for a, b in zip(start, end, strict=True)))
 
     def rays(self, starts: Sequence[Triple], ends: Sequence[Triple]) -> MujocoRayHits:
+        self._place_shapes()
+        return MujocoRayHits(list(map(self._cast, starts, ends)), self._owners)
+
+    def _place_shapes(self) -> None:
+        """Have all shapes where they are now, for rays."""
         self._compile()
         if self._movers:
             self._show()
-        begins, ways = np.array(starts, float), np.array(ends, float)
-        ways -= begins
-        lengths = np.sqrt((ways * ways).sum(axis=1))
-        ways /= lengths[:, None]
-        distances, shapes = np.empty(len(begins)), np.empty(len(begins), np.int32)
-        if (begins == begins[0]).all():
-            self._cast(begins[0], ways.ravel(), distances, shapes, float(lengths.max()))
-        else:
-            for k, (begin, way) in enumerate(zip(begins, ways, strict=True)):
-                self._cast(begin, way, distances[k : k + 1], shapes[k : k + 1], float(lengths[k]))
-        missed = (shapes < 0) | (distances > lengths)
-        shapes[missed], distances[missed] = -1, inf
-        return MujocoRayHits(distances.tolist(), shapes.tolist(), self._owners)
 
-    def _cast(self, begin: Any, ways: Any, distances: Any, shapes: Any, longest: float) -> None:
-        """Cast rays from one place along unit vectors, one after the other in ``ways``."""
-        static, none, count = True, -1, len(distances)
-        self._mj.mj_multiRay(
-            *(self._model, self._data, begin, ways, _SEEN, static, none),
-            *(shapes, distances, None, count, longest),
+    def _cast(self, start: Triple, end: Triple) -> tuple[float, int]:
+        """The distance to the first hit, and the number of the shape; infinite and -1 for none."""
+        x, y, z = start
+        dx, dy, dz = end[0] - x, end[1] - y, end[2] - z
+        length = sqrt(dx * dx + dy * dy + dz * dz)
+        way = dx / length, dy / length, dz / length
+        static, none, shape = True, -1, self._hit
+        distance: float = self._mj.mj_ray(
+            self._model, self._data, start, way, _SEEN, static, none, shape
         )
+        met = int(shape[0])
+        return (distance, met) if met >= 0 and distance <= length else (inf, -1)
 
     def _show(self) -> None:
-        """Put all shapes where they are now, for rays."""
+        """Move all shapes to where they are now."""
         for mover in self._movers:
             mover.show(self._steps)
         self._mj.mj_kinematics(self._model, self._data)
@@ -259,13 +258,11 @@ class Mujoco:
 class MujocoRayHits:
     """Ray hits (see :class:`hal.sim.physics.RayHits`)."""
 
-    def __init__(
-        self, distances: Sequence[float], shapes: Sequence[int], owners: Sequence[Touchable]
-    ) -> None:
-        """``shapes``: the number of each shape that was hit, below 0 for none."""
-        self.distances = distances
-        self._shapes, self._owners = shapes, owners
+    def __init__(self, hits: Sequence[tuple[float, int]], owners: Sequence[Touchable]) -> None:
+        """``hits``: the distance of each, and the number of the shape, below 0 for none."""
+        self.distances = [distance for distance, _ in hits]
+        self._hits, self._owners = hits, owners
 
     def name(self, ray: int) -> str | None:
-        shape = self._shapes[ray]
+        _, shape = self._hits[ray]
         return self._owners[shape].name if shape >= 0 else None

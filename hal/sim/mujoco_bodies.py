@@ -162,7 +162,7 @@ class MujocoBody:
         turning = self._reach**2 * (a * a + b * b + c * c)
         if u * u + v * v + w * w + turning < limit * limit:
             return False
-        others = (contact.other for contact in self._contacts.of(self))
+        others = self._contacts.others(self)
         carrier = next((other for other in others if isinstance(other, MujocoMover)), None)
         return carrier is None or dist(carrier.velocity_at(at), (u, v, w)) > limit
 
@@ -170,8 +170,7 @@ class MujocoBody:
         """Whether it moves over what it touches."""
         at, _, velocity, _ = self._state
         return any(
-            dist(velocity, contact.other.velocity_at(at)) > _SLIPS
-            for contact in self._contacts.of(self)
+            dist(velocity, other.velocity_at(at)) > _SLIPS for other in self._contacts.others(self)
         )
 
     def read(self) -> None:
@@ -236,7 +235,7 @@ class MujocoBody:
             self._meet(things=True, others=True)
 
     def moor(self, moored: bool) -> None:
-        touching = {touch.other for touch in self._contacts.of(self)} if moored else set()
+        touching = set(self._contacts.others(self)) if moored else set()
         if self._carrier is not None:
             if not moored or touching - {self._carrier}:
                 self._carrier = None

@@ -99,17 +99,21 @@ class MujocoContacts:
 
     def pairs(self) -> list[tuple[Touchable, Touchable, int]]:
         """The two that touch, and the number of the contact; the normal points to the second."""
-        if self._pairs is None and not self._data.ncon:
-            self._pairs = []
-        elif self._pairs is None:
-            found = self._data.contact
-            shapes, gaps = found.geom.tolist(), found.dist.tolist()
-            self._pairs = [
-                (self._owners[one], self._owners[two], number)
-                for number, ((one, two), gap) in enumerate(zip(shapes, gaps, strict=True))
-                if gap < GAP
-            ]
+        if self._pairs is None:
+            self._pairs = self._read_pairs() if self._data.ncon else []
         return self._pairs
+
+    def _read_pairs(self) -> list[tuple[Touchable, Touchable, int]]:
+        found = self._data.contact
+        gaps = found.dist.tolist()
+        if min(gaps) >= GAP:  # as near as that the engine knows them, but nothing touches
+            return []
+        shapes = found.geom.tolist()
+        return [
+            (self._owners[one], self._owners[two], number)
+            for number, ((one, two), gap) in enumerate(zip(shapes, gaps, strict=True))
+            if gap < GAP
+        ]
 
     def ease_friction(self, seconds: float) -> None:
         """Ask the friction of each contact for no more than it can bring about in a step.
@@ -136,6 +140,15 @@ class MujocoContacts:
         apart = _dot(velocity, normal)
         slip = [a - apart * b for a, b in zip(velocity, normal, strict=True)]
         return _Meeting(one, two, number, normal, apart, slip)
+
+    def others(self, body: Touchable) -> list[Touchable]:
+        """Who touches a body, each once."""
+        found = (
+            two if one is body else one
+            for one, two, _ in self.pairs()
+            if one is body or two is body
+        )
+        return list(dict.fromkeys(found))
 
     def of(self, body: Touchable) -> list[Contact]:
         """What touches a body."""

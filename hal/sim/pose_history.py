@@ -9,14 +9,17 @@ from vencejo.geometry import Point, Pose, product
 
 LONGEST_INTERVAL = 1.0
 """Longest interval between two captures of a sensor, seconds."""
-_KEPT = round(STEPS_PER_SECOND * LONGEST_INTERVAL) + 8
+_SPARE = 8
+"""Physics steps that are kept besides."""
 
 
 class PoseHistory:
     """The states of one vehicle's body after the last physics steps, the present one included."""
 
-    def __init__(self) -> None:
-        self._states: deque[BodyState] = deque(maxlen=_KEPT)
+    def __init__(self, seconds: float) -> None:
+        """``seconds``: for how long poses are kept; many are slow to walk through in memory."""
+        kept = round(STEPS_PER_SECOND * seconds) + _SPARE
+        self._states: deque[BodyState] = deque(maxlen=kept)
         self.append = self._states.append
         """Add the state after a physics step."""
 

@@ -17,10 +17,12 @@ from hal.sim.model_files import DEFAULT, load_model
 from hal.sim.noise import CommandNoise
 from hal.sim.obstacle_heights import ObstacleHeightGrid
 from hal.sim.physics import Physics
+from hal.sim.pose_history import PoseHistory
 from hal.sim.sensors.camera import RenderContext, SimCamera
 from hal.sim.sensors.camera_spec import read_cameras
 from hal.sim.sensors.camera_switch import CameraSwitch
 from hal.sim.sensors.rangefinder import SimRangefinder
+from hal.sim.sensors.sampling import FASTEST
 from hal.sim.settings import Settings, plain_settings, read_settings
 from hal.sim.starts import start_poses
 from hal.sim.vehicle import SimVehicle
@@ -63,9 +65,15 @@ class SimSession:
         models = [load_model(spec.model or world.model or DEFAULT) for spec in options.vehicles]
         starts = start_poses(world, options.vehicles, [model.size for model in models])
         physics.add_things(world.things, world.ground.terrain)
-        obstacles = ObstacleHeightGrid(
-            world.things, world.ground.terrain, max(model.reach for model in models)
-        )
+        # One for each reach: where it may touch something is no matter of the other vehicles.
+        obstacles = {
+            reach: ObstacleHeightGrid(world.things, world.ground.terrain, reach)
+            for reach in {model.reach for model in models}
+        }
+        moved: dict[str, Dynamics] = {}
+        fitted = [read_cameras(settings.cameras, model.cameras) for model in models]
+        rates = [camera.rate for cameras in fitted for camera in cameras.values()]
+        interval = 1 / min(rates, default=FASTEST)  # a camera sees where all were so long ago
         chargers = {thing.name: thing.charges for thing in world.things if thing.charges}
         alone = len(options.vehicles) == 1
         self._has_movers = any(thing.motion is not None for thing in world.things)
@@ -80,7 +88,10 @@ class SimSession:
         self._all: list[SimVehicle] = []
         for spec, model, start in zip(options.vehicles, models, starts, strict=True):
             name = spec.name
-            dynamics = Dynamics(name, physics, model, settings.physics, start)
+            history = PoseHistory(interval)
+            dynamics = moved[name] = Dynamics(
+                name, physics, model, settings.physics, start, history
+            )
             vehicle = SimVehicle(
                 name,
                 dynamics,
@@ -88,7 +99,13 @@ class SimSession:
                 home=start.home,
                 battery=Battery(model.battery, world.battery, chargers),
                 noise=CommandNoise(settings.noise, generator(options.seed, name, "command-noise")),
-                contacts=ContactTracker(physics, dynamics.body, model, obstacles),
+                contacts=ContactTracker(
+                    physics,
+                    dynamics.body,
+                    model,
+                    obstacles[model.reach],
+                    lambda other: moved[other].velocity_before,
+                ),
             )
             self._all.append(vehicle)
         self._air = _air_of(world, settings, self._all, options.seed)
@@ -98,7 +115,9 @@ class SimSession:
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle, model, spec in zip(self._all, models, options.vehicles, strict=True):
+        for vehicle, model, spec, specs in zip(
+            self._all, models, options.vehicles, fitted, strict=True
+        ):
             name = vehicle.name
             context.pose_histories[name] = vehicle.dynamics.pose_history
             context.appearances[name] = quadrotor(
@@ -108,7 +127,6 @@ class SimSession:
             if not alone:
                 height = model.size[2]
                 context.appearances |= lamp_things(name, arm=model.rotors.arm, height=height)
-            specs = read_cameras(settings.cameras, model.cameras)
             cameras = {
                 camera: SimCamera(name, camera, spec, context, self._steps)
                 for camera, spec in specs.items()
@@ -159,7 +177,7 @@ class SimSession:
         free = all(vehicle.dynamics.free for vehicle in vehicles)
         if free and not self._senses and not self._has_movers:
             for vehicle in vehicles:
-                vehicle.dynamics.fly()
+                vehicle.dynamics.drive(STEPS_PER_PERIOD)
         else:
             self._step_by_step(self._physics.step)
         self._count += 1

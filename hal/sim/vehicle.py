@@ -460,7 +460,8 @@ class SimVehicle(BaseVehicle):
         self._may_touch = contacts.near_things and active
         dynamics.begin_period(free=free, motors_run=self._motors_run, supported=contacts.supported)
         if self._motors_run:
-            above = inf if free else contacts.height_above_ground(state) + self._model.height
+            far = free or not dynamics.effects.ground_effect
+            above = inf if far else contacts.height_above_ground(state) + self._model.height
             voltage = self._battery.voltage / self._model.battery.full
             dynamics.set_air(voltage=voltage, height=above, touched=contacts.clear == 0)
 
@@ -491,14 +492,16 @@ class SimVehicle(BaseVehicle):
         self.end_period(self._observed())
 
     def _look_for_crash(self) -> None:
-        """Stop the motors of a vehicle that was hit too hard, or that lies on its back."""
-        if not self.dynamics.effects.crashes or not self._armed:
+        """Tell that it was hit too hard, or lies on its back, and stop its motors if they run."""
+        if not self.dynamics.effects.crashes or self._crash:
             return
-        impact, thing = self._contacts.impact, self._below()
-        if impact > self._model.withstands:
-            self._tell_crash(f"a rotor was stopped by the {thing}", impact)
-        elif self._lies_over():
-            self._tell_crash(f"it has capsized on the {thing}", impact)
+        contacts = self._contacts
+        if contacts.impact > self._model.withstands:
+            thing = contacts.hit_by or "ground"
+            hit = "a rotor was stopped by" if self._armed else "it fell on"
+            self._tell_crash(f"{hit} the {thing}", thing)
+        elif self._armed and self._lies_over():
+            self._tell_capsizing()
 
     def _lies_over(self) -> bool:
         """Whether it has lain, leaning further than its thrust could ever lift it, for a while."""
@@ -507,9 +510,12 @@ class SimVehicle(BaseVehicle):
         self._over = self._over + 1 if leans and self._contacts.clear == 0 else 0
         return self._over >= _OVER
 
-    def _tell_crash(self, reason: str, speed: float) -> None:
+    def _tell_capsizing(self) -> None:
+        self._tell_crash(f"it has capsized on the {self._below()}", self._below())
+
+    def _tell_crash(self, reason: str, thing: str) -> None:
         self._crash, self._over = reason, 0
-        facts = {"thing": self._below(), "speed": speed, "reason": reason}
+        facts = {"thing": thing, "speed": self._contacts.impact, "reason": reason}
         self._crashed = VehicleEvent("vehicle.crashed", facts)
         self._stop_motors(reason)
 
@@ -540,6 +546,8 @@ class SimVehicle(BaseVehicle):
             self._stop_motors()
         elif verdict == "unstable":
             self._leave()
+        elif verdict == "capsized" and self.dynamics.effects.crashes:
+            self._tell_capsizing()
         elif verdict == "capsized":
             self._stop_motors(f"it has capsized on the {self._below()}")
         else:

@@ -125,7 +125,7 @@ def test_what_needs_more_tilt_is_flown_more_slowly_and_told() -> None:
 @pytest.mark.parametrize(
     ("values", "reason"),
     [
-        ({}, "has two of them or more"),
+        ({}, "leads through 2 different points or more, not 0"),
         ({"points": [Point(0, 0, 3), Point(4, 0, 3), Point(0, 0, 3)]}, "cannot turn back at"),
     ],
 )

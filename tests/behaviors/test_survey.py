@@ -92,7 +92,7 @@ class Camera:
 
 
 def test_without_spacing_it_is_what_the_camera_sees() -> None:
-    solo = Solo(INFO, {"area": FIELD, "height": 4.0, "overlap": 0.5})
+    solo = Solo(INFO, {"area": FIELD, "height": 4.0, "overlap": 0.5, "camera": "down"})
     looking = Camera()
     solo.vehicle.camera = lambda name: looking  # type: ignore[method-assign, assignment]
     solo.run(0.2)
@@ -101,7 +101,7 @@ def test_without_spacing_it_is_what_the_camera_sees() -> None:
 
 
 def test_without_the_camera_it_has_failed() -> None:
-    solo = Solo(INFO, {"area": FIELD})
+    solo = Solo(INFO, {"area": FIELD, "camera": "down"})
     solo.run(1)
     assert solo.outcome and "no camera 'down'" in solo.outcome.fields["reason"]
 
@@ -127,7 +127,7 @@ def test_it_goes_on_with_its_line(moved: float, again: list[int]) -> None:
 def test_its_plan() -> None:
     start = PlanStart(Point(0, 0, 4), 0.0, True, 0.0, 5.0)
     values = {name: parameter.default for name, parameter in INFO.parameters.items()}
-    values |= {"area": FIELD, "height": 4.0}
+    values |= {"area": FIELD, "height": 4.0, "camera": "ventral"}
     assert Survey.plan(Survey.Params(**values), start) is None
     legs = Survey.plan(Survey.Params(**{**values, "spacing": 2.0}), start)
     assert legs is not None

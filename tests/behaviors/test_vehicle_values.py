@@ -48,6 +48,7 @@ def reporting(names: tuple[str, ...]) -> Rig:
     vehicle = session.vehicles["drone"]
     vehicle.position, vehicle.yaw, vehicle.battery = Point(10.0, 5.0, 0.0), pi / 2, 0.75
     vehicle.estimated_wind = Point(3.0, -4.0, 0.0)
+    vehicle.capabilities |= {"wind"}
     text = "; ".join(f"${{vehicle.{name}}}" for name in names)
     return Rig(
         "mission: report\nevents: {report.wanted: {}}\n"
@@ -119,6 +120,7 @@ def test_conditions_wait_for_them(condition: str, state: str) -> None:
     session = FakeSession()
     session.vehicles["drone"].yaw = pi / 2
     session.vehicles["drone"].estimated_wind = Point(0.0, -2.0, 0.0)
+    session.vehicles["drone"].capabilities |= {"wind"}
     rig = Rig(
         "mission: conditions\nstates:\n"
         f'  flight:\n    when: {{"{condition}": seen}}\n    states:\n'

@@ -333,7 +333,7 @@ def test_a_real_terminal_that_is_resized(tmp_path: Path) -> None:
     assert os.waitstatus_to_exitcode(status) == 0
     assert not sizes
     text = "\n".join(screen.display)
-    assert text.count("first_flight   0:19.0") == 1
+    assert text.count("first_flight   0:20.5") == 1
     assert text.count("✔ ended in 'done'") == 1
     assert "✔ first_flight ended in 'done'" in text
     assert "run folder: runs/" in text

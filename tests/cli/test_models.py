@@ -129,6 +129,58 @@ def test_each_behaviour_gets_the_camera_it_needs(write: Write) -> None:
     assert "ardrone1" in result.out.splitlines()[-2]
 
 
+PHOTO = """
+mission: photo
+parameters: {eye: ventral}
+states:
+  takeoff: {do: takeoff, with: {altitude: 1 m}, on: {done: one}}
+  one: {do: photo, with: {camera: CAMERA}, on: {done: two, failed: lost}}
+  two: {do: photo, with: {camera: front}, on: {done: land, failed: lost}}
+  lost: {do: land, on: {done: grounded}}
+  land: {do: land, on: {done: end}}
+  end: {type: final}
+  grounded: {type: final, outcome: grounded}
+"""
+
+
+@pytest.mark.parametrize("camera", ["ventral", "$eye"])
+def test_a_picture_is_taken_by_the_camera_it_names(camera: str, write: Write) -> None:
+    write("m.yaml", PHOTO.replace("CAMERA", camera))
+    result = run_cli("run", "m.yaml")
+    assert result.code == 0, result.err
+    assert "camera" not in run_cli("check", "m.yaml").err
+
+
+def test_a_camera_that_the_vehicle_does_not_have_is_told_before_the_flight(write: Write) -> None:
+    write("m.yaml", PHOTO.replace("CAMERA", "ventrl"))
+    result = run_cli("run", "m.yaml")
+    assert result.code == 2
+    assert "m.yaml:6:3: error: 'photo' needs 'camera.ventrl', which the model 'ard" in result.err
+    checked = run_cli("check", "m.yaml", "--model", "f450")
+    assert checked.code == 2 and "'f450' of the backend 'sim' does not offer" in checked.err
+    assert ": warning: 'photo' needs 'camera.ventrl'" in run_cli("check", "m.yaml").err
+
+
+WIND = """
+mission: windy
+states:
+  takeoff: {do: takeoff, with: {altitude: 1 m}, on: {done: wait}}
+  wait: {do: hover, when: {"vehicle.wind.x > 9 m/s": land}, after: {1 s: land}}
+  land: {do: land, on: {done: end}}
+  end: {type: final}
+"""
+
+
+def test_a_mission_that_asks_for_the_wind_needs_a_model_that_estimates_it(write: Write) -> None:
+    write("m.yaml", WIND)
+    result = run_cli("run", "m.yaml", "--model", "crazyflie")
+    assert result.code == 2
+    told = "m.yaml:5:29: error: 'vehicle.wind' needs 'wind', which the model 'crazyflie'"
+    assert told in result.err
+    assert told in run_cli("check", "m.yaml", "--model", "crazyflie").err
+    assert run_cli("run", "m.yaml", "--model", "f450").code == 0
+
+
 NESTED = """
 mission: look
 uses: [eyes.py]

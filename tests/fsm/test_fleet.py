@@ -67,7 +67,7 @@ def test_a_fleet_without_mistakes(tmp_path: Path) -> None:
         ("200 s", "200 m", ["fleet.yaml:6:8: wrong-dimension"]),
         ("  mouse:", "  mouze:", ["cat.yaml:3:73: unknown-vehicle"]),
         ("until", "untill", ["fleet.yaml:6:1: unknown-key"]),
-        ("cat.yaml", "fleet.yaml", ["fleet.yaml:1:8: not-a-mission"]),
+        ("cat.yaml", "fleet.yaml", ["fleet.yaml:4:18: not-a-mission"]),
         ("cat.yaml", "cat.scxml", ["fleet.yaml:4:18: not-a-mission"]),
         ("fleet: chase", "fleet: cat/mouse", ["fleet.yaml:1:8: bad-name"]),
         ("mouse: {mission: mouse.yaml}", "mouse: {}", []),
@@ -90,6 +90,10 @@ def test_faults_of_its_missions_are_told(tmp_path: Path) -> None:
 
 def test_a_fleet_needs_vehicles(tmp_path: Path) -> None:
     assert faults(tmp_path, "fleet: none\n") == ["fleet.yaml:1:1: no-vehicles"]
+    empty = "fleet: none\nvehicles: {}\n"
+    assert faults(tmp_path, empty) == ["fleet.yaml:2:11: no-vehicles"]
+    listed = "fleet: none\nvehicles: [cat, mouse]\n"
+    assert faults(tmp_path, listed) == ["fleet.yaml:2:11: wrong-type"]
 
 
 def test_what_is_sent_to_another_vehicle_is_the_hosts_to_deliver() -> None:

@@ -80,7 +80,7 @@ def test_a_pad_charges_what_stands_on_it(x: float, power: float, tmp_path: Path)
     with open_session(Options(world=str(world))) as session:
         vehicle = only(session)
         before = wait(session, 1)[-1].battery
-        net = power / PACK.energy - PACK.drain(PACK.standby, before)
+        net = power / PACK.energy - PACK.drain(PACK.current(PACK.standby, before), before)
         assert wait(session, 2)[-1].battery - before == pytest.approx(2 * net, rel=1e-3)
         decided(session, vehicle.arm())
         armed = vehicle.observe().battery

@@ -190,7 +190,7 @@ def test_what_falls_on_a_table_hits_it() -> None:
     with session_of(world_of(table, start=Point(0, 0, 1.0))) as session:
         vehicle = take_off(session, 3.0)
         vehicle.emergency_stop()
-        assert told(wait(session, 4)) == [("collision", "table")]
+        assert told(wait(session, 4)) == [("collision", "table"), ("crashed", "table")]
         assert vehicle.observe().mode == "landed"
 
 

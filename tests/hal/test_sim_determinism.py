@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 
 from hal.sim import open_session
-from hal.vehicle import Hold, Options, Position, Velocity
+from hal.vehicle import Hold, Observation, Options, Position, VehicleSpec, Velocity
 from tests.hal.engines import ENGINES
-from tests.hal.flying import LONG, named
+from tests.hal.flying import LONG, named, wait
 from vencejo.geometry import Point
+from worlds.world import Start
 
 ROOT = Path(__file__).parents[2]
 
@@ -100,3 +101,30 @@ def test_another_simulation_beside_it_changes_nothing(engine: str) -> None:
     with open_session(Options(world="yard", settings={"engine": engine})) as session:
         session.wait()
         assert flight(3, engine=engine) == alone
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_another_vehicle_far_away_changes_nothing(engine: str) -> None:
+    """Neither its model nor its flight does; hardly anything where the engine, which solves for all
+    contacts at once, is asked: in Bullet only on landing.
+    """
+
+    def flown(*others: VehicleSpec) -> list[Observation]:
+        ours = VehicleSpec("ours", start=Start(Point(0, 0, 0), 0.0))
+        settings = {"engine": engine, "noise": 1.0, "wind": "2 m/s@270 deg, turbulence=natural"}
+        with open_session(Options((ours, *others), seed=3, settings=settings)) as session:
+            for vehicle in session.vehicles.values():
+                vehicle.takeoff(1.0)
+            seen = wait(session, 5)
+            session.vehicles["ours"].command(Velocity(x=2.0), LONG)
+            seen += wait(session, 4)
+            for vehicle in session.vehicles.values():
+                vehicle.land()
+            return seen + wait(session, 6)
+
+    far = VehicleSpec("far", "f450", Start(Point(60, 60, 0), 0.0))
+    alone, beside = flown(), flown(far)
+    if engine == "bullet":
+        assert alone[:360] == beside[:360]
+    for one, other in zip(alone, beside, strict=True):
+        assert one.position == pytest.approx(other.position, abs=1e-3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import atan, exp, pi, sqrt, tan
 
@@ -9,20 +10,60 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hal.engines import open_engine
 from hal.sim import SimSession
 from hal.sim.effects import IDEAL, REAL, Effects, plain_effects, read_effects
 from hal.sim.model_files import load_model
+from hal.sim.motion import Motion, axes_of
+from hal.sim.physics import BodyState, Triple
 from hal.sim.rotors import RotorDrive
-from hal.vehicle import Attitude, Hold, Limits, Position, Velocity
-from tests.hal.flying import LONG, only, session_of, take_off, told, wait
+from hal.vehicle import (
+    Attitude,
+    Hold,
+    Limits,
+    Observation,
+    Options,
+    Position,
+    VehicleSpec,
+    Velocity,
+)
+from tests.hal.engines import ENGINES
+from tests.hal.flying import LONG, decided, finish, only, session_of, take_off, told, wait
 from tests.hal.scenes import thing_of, world_of
 from vencejo.errors import UserError
-from vencejo.geometry import Point, roll_pitch_of
+from vencejo.geometry import Point, roll_pitch_of, turned
 from worlds.things import Cuboid
+from worlds.world import Start, World
 
 MODEL = load_model("ardrone2")
 G, RHO = 9.80665, 1.225
 WEIGHT = MODEL.mass * G
+
+
+def sim_session(
+    *vehicles: VehicleSpec, world: World | None = None, **settings: object
+) -> SimSession:
+    """Vehicles of which more is asked than their names."""
+    engine = settings.get("engine")
+    assert engine is None or isinstance(engine, str)
+    return SimSession(
+        Options(vehicles, settings=settings), world or world_of(), open_engine(engine)
+    )
+
+
+def norm(vector: tuple[float, ...]) -> float:
+    return sqrt(sum(value * value for value in vector))
+
+
+def momentum_of(state: BodyState, inertia: Triple) -> Triple:
+    """The angular momentum, N·m·s, world frame."""
+    x, y, z = (i * w for i, w in zip(inertia, state[3], strict=True))
+    return turned((x, y, z), state[1])
+
+
+def energy_of(state: BodyState, inertia: Triple) -> float:
+    """That of the turning, joules."""
+    return sum(i * w * w for i, w in zip(inertia, state[3], strict=True)) / 2
 
 
 def drag(speed: float) -> float:
@@ -160,6 +201,17 @@ def test_a_low_battery_gives_less_thrust() -> None:
         assert climbs[-1] * 40 < (MODEL.max_thrust / WEIGHT - 1) * G * 0.95
 
 
+@pytest.mark.parametrize("model", ["ardrone2", "crazyflie"])
+def test_a_low_battery_takes_off_and_lands_in_wind(model: str) -> None:
+    """Its thrust hardly carries it at its largest tilt: it leans less, and drifts."""
+    world = replace(world_of(), battery=0.05)
+    with sim_session(VehicleSpec("drone", model), world=world, wind="6 m/s@270 deg") as session:
+        vehicle = only(session)
+        finish(session, vehicle.takeoff(1.0), 6)
+        finish(session, vehicle.land(), 6)
+        assert vehicle.observe().mode == "landed" and not vehicle.observe().health
+
+
 # Rotors.
 
 WRENCHES = st.tuples(st.floats(-5, 20), st.floats(-2, 2), st.floats(-2, 2), st.floats(-0.5, 0.5))
@@ -203,7 +255,110 @@ def test_rotors_follow_with_their_time_constant() -> None:
     assert thrust == pytest.approx(WEIGHT * (1 - exp(-steps / 240 / MODEL.rotors.time_constant)))
 
 
+def test_tilt_does_not_lift_it() -> None:
+    """However much tilt is asked for, the rotors then give no more than carries it."""
+    drive = RotorDrive(load_model("f450"))
+    weight = load_model("f450").weight
+    for _ in range(200):
+        thrust, *_ = drive.step((0.5 * weight, 10.0, 10.0, 0.0))
+    assert drive.excess == pytest.approx(0.5 * weight)
+    assert thrust == pytest.approx(weight)
+
+
+def test_a_strong_vehicle_bears_command_noise() -> None:
+    """Its rotors saturate again and again, which must not be taken for wind, nor lift it."""
+    with sim_session(VehicleSpec("drone", "f450"), noise=2.0) as session:
+        take_off(session, 3)
+        seen = wait(session, 16)
+    assert all(abs(each.position.z - 3) < 1 for each in seen)
+    assert all(abs(each.yaw) < 4 * pi / 180 for each in seen)
+
+
+@pytest.mark.parametrize("model", ["ardrone2", "crazyflie", "f450"])
+@pytest.mark.parametrize("spin", [5.0, 30.0, 150.0])
+def test_what_spins_does_not_spin_faster_by_itself(model: str, spin: float) -> None:
+    """Without a torque the angular momentum stays the same, and the energy does not grow."""
+    body = load_model(model)
+    motion, inertia = Motion(body), body.inertia
+    state: BodyState = ((0, 0, 0), (0, 0, 0, 1), (0, 0, 0), (spin, 0.1 * spin, 0.3 * spin))
+    begun = [momentum_of(state, inertia), energy_of(state, inertia)]
+    for _ in range(240):
+        state = motion.step(state, axes_of(state[1]), (0, 0, 0), (0, 0, 0))
+    left = [momentum_of(state, inertia), energy_of(state, inertia)]
+    fast = spin > 10
+    for axis in range(3):
+        assert left[0][axis] == pytest.approx(
+            begun[0][axis], abs=(0.25 if fast else 0.02) * norm(begun[0])
+        )
+    assert norm(left[0]) == pytest.approx(norm(begun[0]), rel=1e-9 if fast else 0.02)
+    assert left[1] < begun[1] * 1.02
+
+
 # Crashes.
+
+
+def crashes_of(seen: list[Observation]) -> list[tuple[str, float, str]]:
+    """What was told of crashes: the thing, the speed to 0.5 m/s, the reason."""
+    told = [e.fields for each in seen for e in each.events if e.name == "vehicle.crashed"]
+    return [(each["thing"], round(2 * each["speed"]) / 2, each["reason"]) for each in told]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_hard_fall_without_motors_is_told_once(engine: str) -> None:
+    with sim_session(VehicleSpec("drone"), engine=engine) as session:
+        vehicle = take_off(session, 5)
+        vehicle.emergency_stop()
+        assert crashes_of(wait(session, 4)) == [("ground", 9.5, "it fell on the ground")]
+        assert vehicle.observe().mode == "landed"
+        assert decided(session, vehicle.takeoff(2.0)).reason == "it fell on the ground"
+        assert decided(session, vehicle.reset()).state == "done"
+        finish(session, vehicle.takeoff(2.0), 8)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_soft_fall_breaks_nothing(engine: str) -> None:
+    with sim_session(VehicleSpec("drone"), engine=engine) as session:
+        vehicle = take_off(session, 1)
+        vehicle.emergency_stop()
+        assert crashes_of(wait(session, 3)) == []
+        finish(session, vehicle.takeoff(2.0), 8)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("ours", "theirs"), [(3.0, 3.0), (5.5, 0.0), (4.0, 0.0)])
+def test_two_that_meet_hit_each_other_with_the_speed_of_both(
+    engine: str, ours: float, theirs: float
+) -> None:
+    """However the hit shares the speed out between them."""
+    starts = [Start(Point(x, 0, 0), 0.0) for x in (-6, 6)]
+    specs = [VehicleSpec(name, start=start) for name, start in zip("ab", starts, strict=True)]
+    with sim_session(*specs, engine=engine) as session:
+        a, b = session.vehicles["a"], session.vehicles["b"]
+        for each in (a, b):
+            each.configure(Limits(max_speed=8.0, max_tilt=0.5))
+            each.takeoff(20)
+        wait(session, 14)
+        a.command(Velocity(x=ours), LONG)
+        b.command(Velocity(x=-theirs), LONG)
+        seen: dict[str, list[Observation]] = {"a": [], "b": []}
+        for _ in range(160):
+            session.wait()
+            for each in (a, b):
+                seen[each.name].append(each.observe())
+    for name, other in (("a", "b"), ("b", "a")):
+        hard = ours + theirs > MODEL.withstands
+        expected = [(other, ours + theirs, f"a rotor was stopped by the {other}")]
+        assert crashes_of(seen[name])[:1] == (expected if hard else [])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_crash_names_what_it_bounced_off(engine: str) -> None:
+    wall = thing_of("wall", Cuboid(Point(0.05, 20, 40)), (12, 0, 20))
+    with sim_session(VehicleSpec("drone", "f450"), world=world_of(wall), engine=engine) as session:
+        vehicle = take_off(session, 5)
+        vehicle.configure(Limits(max_speed=20.0, max_tilt=0.7))
+        (crash,) = crashes_of(wait(session, 4, Velocity(x=20.0)))
+    assert crash[0] == "wall" and crash[2] == "a rotor was stopped by the wall"
 
 
 @pytest.mark.parametrize(("physics", "crashes"), [("real", True), ("real,-crashes", False)])

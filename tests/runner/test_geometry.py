@@ -416,6 +416,79 @@ def test_a_plan_that_is_wrong_is_told_and_what_it_flies_unknown(
     assert findings.unknown[0] == "go"
 
 
+SQUARE = "[[0, 0], [9, 0], [9, 9], [0, 9]]"
+
+
+@pytest.mark.parametrize(
+    ("do", "message", "place"),
+    [
+        ("follow_path, with: {}", "through 2 different points or more, not 0", ""),
+        ("follow_path, with: {points: [[1, 2, 3], [1, 2, 3]]}", "or more, not 1", "points"),
+        (
+            "follow_path, with: {closed: true, points: [[1, 2, 3], [5, 2, 3], [1, 2, 3]]}",
+            "a closed path leads through 3 different points or more, not 2",
+            "points",
+        ),
+        (
+            "follow_path, with: {points: [[0, 0, 3], [5, 0, 3], [0, 0, 3]]}",
+            "turn back at",
+            "points",
+        ),
+        (
+            "follow_path, with: {closed: true, points: [[0, 0, 3], [5, 0, 3], [9, 0, 3]]}",
+            "cannot turn back at [9, 0, 3]",
+            "points",
+        ),
+        (
+            "follow_path, with: {laps: 3, points: [[1, 2, 3], [5, 2, 3]]}",
+            "3 laps of a path",
+            "laps",
+        ),
+        (
+            "follow_path, with: {shape: circle, points: [[1, 2, 3], [5, 2, 3]]}",
+            "a circle leads through no `points`",
+            "points",
+        ),
+        (f"survey, with: {{area: {SQUARE}}}", "nothing says how far", ""),
+        (
+            "survey, with: {spacing: 2 m, area: [[0, 0], [9, 9], [9, 0], [0, 9]]}",
+            "the outline of this area crosses",
+            "area",
+        ),
+        (
+            "survey, with: {camera: ventral, area: [[0, 0], [9, 9], [9, 9]]}",
+            "3 different corners",
+            "area",
+        ),
+        (
+            "survey, with: {spacing: 2 m, area: [[0, 0], [3, 3], [9, 9]]}",
+            "crosses or touches",
+            "area",
+        ),
+        ("photo, with: {camera: front, name: a/b}", "'a/b' is no name of a picture", "name"),
+        ("photo, with: {camera: front, heading: travel}", "it does not travel", "heading"),
+    ],
+)
+def test_parameters_that_make_no_flight_are_an_error(do: str, message: str, place: str) -> None:
+    ways = "done: home, failed: land" + (", blocked: land" if "photo" not in do else "")
+    text = flight(f"go: {{do: {do}, on: {{{ways}}}}}")
+    line = text.splitlines()[5]
+    column = line.index(f"{place}: ") + len(place) + 3 if place else 3
+    (fault,) = checked(text).faults
+    assert (fault.code, fault.severity, fault.where) == (
+        "unflyable",
+        "error",
+        Where("m.yaml", 6, column),
+    )
+    assert message in fault.message
+    assert fault.message.startswith(f"'{do.partition(',')[0]}' cannot fly this: ")
+
+
+def test_a_name_that_the_flight_decides_is_no_error() -> None:
+    photo = "go: {do: photo, with: {camera: front, name: 'n_$n', heading: $way}, on: {done: home}}"
+    assert checked(flight(photo, "data: {n: 1, way: {type: heading, default: 1 rad}}")).faults == ()
+
+
 @pytest.mark.parametrize("name", MISSIONS)
 def test_nothing_is_told_of_the_shipped_missions(name: str) -> None:
     prepared = prepare(missions.find(name))

@@ -35,11 +35,15 @@ def test_what_is_read(value: Value[float], text: str, expected: float) -> None:
 @pytest.mark.parametrize(
     ("value", "text", "told"),
     [
-        (quantity(LENGTH, 1.0, 5.0), "7 m", "out-of-range: a length of 7 m; it must be 1 to 5"),
-        (quantity(LENGTH, 1.0, 5.0), "0.9", "out-of-range: a length of 0.9; it must be 1 to 5"),
+        (quantity(LENGTH, 1.0, 5.0), "7 m", "out-of-range: a length of 7 m; it must be 1 m to 5 m"),
+        (quantity(LENGTH, 1.0, 5.0), "0.9", "out-of-range: a length of 0.9; it must be 1 m to 5 m"),
         (quantity(LENGTH), "1e999", "out-of-range: a length of 1e999; it must be a finite number"),
         (above_zero(SPEED, 10.0), "0 m/s", "bad-size: a speed of 0 m/s; it must be above 0"),
-        (above_zero(SPEED, 10.0), "11", "out-of-range: a speed of 11; it must be -10 to 10"),
+        (
+            above_zero(SPEED, 10.0),
+            "11",
+            "out-of-range: a speed of 11; it must be -10 m/s to 10",
+        ),
         (quantity(ANGLE), "5 m", "wrong-dimension"),
     ],
 )

@@ -131,3 +131,10 @@ def test_a_wrong_wind_of_the_command_line_is_told(command: tuple[str, ...]) -> N
     result = run_cli(*command, "first_flight", "--wind", "5m/s")
     assert result.code == 2
     assert "'--wind': a wind is needed here, not '5m/s'; write 5 m/s@270 deg" in result.err
+
+
+def test_a_wrong_turbulence_is_told_with_the_words_there_are() -> None:
+    with pytest.raises(UserError) as caught:
+        read_wind("5@0,turbulence=lite", "--wind")
+    hint = "a speed, or one of natural, light, moderate, severe"
+    assert caught.value.faults[0].hint == hint
