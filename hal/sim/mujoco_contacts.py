@@ -10,6 +10,8 @@ from hal.sim.physics import GAP, GRAVITY, Triple
 
 _PRESSURE = 4.0
 """Greatest pressure of what slides, in weights, but for that of an impact."""
+_ACROSS = 0.01
+"""The share of the speed of what slides that another surface stops, from which that counts."""
 
 
 class Touchable(Protocol):
@@ -43,6 +45,32 @@ class Contact(NamedTuple):
     """On the other's surface."""
     normal: Triple
     """Of that surface, towards what is touched."""
+
+
+class _Meeting(NamedTuple):
+    """How two meet at a contact."""
+
+    one: Touchable
+    two: Touchable
+    number: int
+    """Of the contact."""
+    normal: Sequence[float]
+    """A unit vector from the first to the second."""
+    apart: float
+    """The speed with which they move apart, m/s."""
+    slip: Sequence[float]
+    """The velocity of the second along the first, m/s."""
+
+    def is_held_by(self, other: _Meeting) -> bool:
+        """Whether another surface there holds what slides here, as in a corner: friction that asks
+        for less than that does would push it in there, and it would bounce.
+        """
+        shared = {id(self.one), id(self.two)} & {id(other.one), id(other.two)}
+        return bool(shared) and abs(_dot(self.slip, other.normal)) > _ACROSS * hypot(*self.slip)
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return sum(x * y for x, y in zip(a, b, strict=True))
 
 
 class MujocoContacts:
@@ -93,20 +121,25 @@ class MujocoContacts:
         ``seconds``: of that step. On hills it is not asked less: what fell on a steep slope with a
         corner first would slide on for some metres.
         """
-        found = self._data.contact
-        for one, two, number in self.pairs():
-            if not (one.slippery and two.slippery):
+        found, meetings = self._data.contact, [self._meeting(*pair) for pair in self.pairs()]
+        for meeting in meetings:
+            if not (meeting.one.slippery and meeting.two.slippery):
                 continue
-            place, normal = found.pos[number].tolist(), found.frame[number].tolist()[:3]
-            ours, theirs = one.velocity_at(place), two.velocity_at(place)
-            velocity = [b - a for a, b in zip(ours, theirs, strict=True)]
-            apart = sum(a * b for a, b in zip(velocity, normal, strict=True))
-            slip = hypot(*(a - apart * b for a, b in zip(velocity, normal, strict=True)))
-            pressure = _PRESSURE * GRAVITY + max(0.0, -apart) / seconds
+            number, slip = meeting.number, hypot(*meeting.slip)
+            pressure = _PRESSURE * GRAVITY + max(0.0, -meeting.apart) / seconds
             slowing = float(found.friction[number][0]) * pressure
-            if slip > slowing * seconds:
+            if slip > slowing * seconds and not any(map(meeting.is_held_by, meetings)):
                 # Negative: a damping in 1/s, and next to no stiffness (MuJoCo's direct format).
                 found.solreffriction[number] = -1e-9, -slowing / slip
+
+    def _meeting(self, one: Touchable, two: Touchable, number: int) -> _Meeting:
+        found = self._data.contact
+        place, normal = found.pos[number].tolist(), found.frame[number].tolist()[:3]
+        ours, theirs = one.velocity_at(place), two.velocity_at(place)
+        velocity = [b - a for a, b in zip(ours, theirs, strict=True)]
+        apart = _dot(velocity, normal)
+        slip = [a - apart * b for a, b in zip(velocity, normal, strict=True)]
+        return _Meeting(one, two, number, normal, apart, slip)
 
     def others(self, body: Touchable) -> list[Touchable]:
         """Who touches a body, each once."""

@@ -22,6 +22,8 @@ _SLIPPED = 4
 """Mission periods without contact after which a vehicle without thrust falls."""
 _PATIENCE = 60
 """Mission periods, 1.5 s, in which it gets on or stands."""
+_LONGEST = 200
+"""Mission periods, 5 s, of touching again and again after which it leaves."""
 _SINKING = 0.1
 """Least descent of a vehicle that comes down, m/s."""
 _TIPPED = 10 * pi / 180
@@ -46,13 +48,15 @@ class Touchdown:
         on what moves."""
         self._periods = 0
         """Mission periods without thrust; before, of touching without coming down."""
+        self._touching = 0
+        """Mission periods since it has touched something, with short breaks only."""
         self._on_edge = self._over_edge = 0
         """Mission periods of touching with an edge: above ground, and above nothing near."""
 
     def restart(self) -> None:
         """Begin another landing, or none."""
         self.idle = False
-        self._periods = self._on_edge = self._over_edge = 0
+        self._periods = self._touching = self._on_edge = self._over_edge = 0
 
     def update(self, state: BodyState, height: float) -> Verdict:
         """Go on by a mission period; ``height`` (m) is that above what is straight below."""
@@ -69,9 +73,11 @@ class Touchdown:
                 self.idle, self._periods = True, 0
                 return ""
             self._over_edge += height >= self._gap
-        blocked = contacts.clear < _PATIENCE and state[2][2] > -_SINKING
-        self._periods = self._periods + 1 if blocked else 0
+        near = contacts.clear < _PATIENCE
+        self._touching = self._touching + 1 if near else 0
+        self._periods = self._periods + 1 if near and state[2][2] > -_SINKING else 0
         stuck = self._periods >= _PATIENCE or self._over_edge >= _OVER_EDGE
+        stuck = stuck or self._touching >= _LONGEST
         return "unstable" if stuck or self._tips(state) else ""
 
     def _lie_down(self, state: BodyState) -> Verdict:

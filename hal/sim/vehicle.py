@@ -507,7 +507,7 @@ class SimVehicle(BaseVehicle):
         """Whether it has lain, leaning further than its thrust could ever lift it, for a while."""
         x, y, _, _ = self._state[1]
         leans = 1 - 2 * (x * x + y * y) < cos(self._model.steepest)
-        self._over = self._over + 1 if leans and self._contacts.clear == 0 else 0
+        self._over = self._over + 1 if leans and self._contacts.still else 0
         return self._over >= _OVER
 
     def _tell_capsizing(self) -> None:

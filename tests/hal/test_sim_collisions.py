@@ -120,15 +120,18 @@ def test_a_table_is_hit_from_above_in_flight_but_not_in_a_landing() -> None:
         assert told(wait(session, 8)) == [] and order.state == "done"
 
 
-def test_each_of_two_things_is_told() -> None:
+@pytest.mark.parametrize("speed", [0.5, 1.0, 1.5, 2.0, 3.0])
+def test_each_of_two_things_is_told(speed: float) -> None:
+    """It hits both in a corner, and does not come back as from a spring."""
     corner = (
         thing_of("east", Cuboid(Point(0.2, 8, 4)), (3, 0, 2)),
         thing_of("north", Cuboid(Point(8, 0.2, 4)), (0, 3, 2)),
     )
     with session_of(world_of(*corner)) as session:
         take_off(session, 2.0)
-        seen = told(wait(session, 5, Velocity(1.0, 1.0)))
-        assert sorted(seen) == [("collision", "east"), ("collision", "north")]
+        seen = wait(session, 3 / speed + 2, Velocity(speed, speed))
+        assert sorted(told(seen)) == [("collision", "east"), ("collision", "north")]
+        assert min(min(each.velocity.x, each.velocity.y) for each in seen) > -0.25
 
 
 def test_a_second_contact_is_told_again() -> None:

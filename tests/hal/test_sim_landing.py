@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hal.engines import open_engine
 from hal.orders import Order
 from hal.sim import SimSession
-from hal.vehicle import Observation, Position, Vehicle
-from tests.hal.flying import finish, only, session_of, take_off, told, wait, wait_until
+from hal.vehicle import Observation, Options, Position, Vehicle
+from tests.hal.engines import ENGINES
+from tests.hal.flying import finish, named, only, session_of, take_off, told, wait, wait_until
 from tests.hal.scenes import thing_of, turned, world_of
 from vencejo.geometry import Point, distance, roll_pitch_of, rotate_xy, yaw_of
 from worlds.motion import pose_at
@@ -138,6 +140,17 @@ def test_it_leaves_what_it_cannot_stand_on(case: str) -> None:
         clear = only(session).observe()
         assert clear.flying and clear.velocity.norm() < 0.02
         assert clear.position.z > seen[-1].position.z + 0.4
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("slope", [28.0, 36.0, 40.0])
+def test_a_landing_on_a_steep_slope_comes_to_an_end(slope: float, engine: str) -> None:
+    """Also where it bounces on its edge again and again."""
+    options = Options(named("drone"), settings={"engine": engine})
+    world = world_of(sloping(slope), start=SOUTH)
+    with SimSession(options, world, open_engine(engine)) as session:
+        assert told(landing(session, 0.0, 0.0))[-1] == ("unstable", "slope")
+        assert only(session).observe().mode == "flying"
 
 
 @settings(max_examples=15, deadline=None)
