@@ -132,9 +132,7 @@ class FollowPath(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, progress = self.params, progress or {}
         self.origin = Point(*progress.get("origin", flight.observation.position))
-        self.agility = (
-            Agility.resumed(progress["agility"]) if progress else Agility.of(flight.limits)
-        )
+        self.agility = Agility.at_start(flight.limits, progress.get("agility"))
         self.laps = params.laps if _is_closed(params) else 1
         self.lap = progress.get("lap", 0)
         course = self.course = _course(params, self.origin, self.agility)
@@ -146,17 +144,14 @@ class FollowPath(Behavior):
     def step(self, flight: Flight) -> Outcome | str | None:
         way = self.way
         follower = way.follower
-        blocked = way.step(flight, self.course.heading(self.params.heading, follower.way))
+        outcome = way.step(flight, self.course.heading(self.params.heading, follower.way))
         share = follower.way / follower.path.length
         lap = min(self.laps, int(share * self.laps) + 1) if way.on_path else 0
         for over in range(max(1, self.lap), self.laps + 1 if way.ended else lap):
             flight.raise_event("path.lap", Lap(over))
         self.lap = max(self.lap, lap)
         flight.publish(Followed(lap, self.laps, share, way.error))
-        if way.ended:
-            way.rest(flight)
-            return "done"
-        return blocked
+        return outcome
 
     def progress(self) -> dict[str, Any]:
         return {

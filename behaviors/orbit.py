@@ -75,9 +75,7 @@ class Orbit(Behavior):
         params, progress = self.params, progress or {}
         begin = progress.get("begin") or stopping_place(flight.observation)
         self.begin = Point(*begin)
-        self.agility = (
-            Agility.resumed(progress["agility"]) if progress else Agility.of(flight.limits)
-        )
+        self.agility = Agility.at_start(flight.limits, progress.get("agility"))
         path, self.entry = _course(params, self.begin)
         pace = paced(path, [params.speed] * (len(path.ways) - 1), self.agility)
         self.way = PathFlight(flight, PathFollower(path, pace), params.speed, progress.get("way"))
@@ -86,7 +84,7 @@ class Orbit(Behavior):
     def step(self, flight: Flight) -> Outcome | str | None:
         params, way = self.params, self.way
         heading = Face(params.around) if params.heading is None else params.heading
-        blocked = way.step(flight, heading)
+        outcome = way.step(flight, heading)
         follower = way.follower
         length = follower.path.length
         flown = params.turns * max(0.0, follower.way - self.entry) / (length - self.entry)
@@ -94,10 +92,7 @@ class Orbit(Behavior):
         while self.turns < int(params.turns if way.ended else flown):
             self.turns += 1
             flight.raise_event("orbit.turn", Turn(self.turns))
-        if way.ended:
-            way.rest(flight)
-            return "done"
-        return blocked
+        return outcome
 
     def progress(self) -> dict[str, Any]:
         return {

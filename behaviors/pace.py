@@ -51,6 +51,11 @@ class Agility:
         tilt = _TILT if limits.max_tilt is None else limits.max_tilt
         return cls(_SHARE * _GRAVITY * tan(tilt), limits.max_speed or inf, limits.max_climb or inf)
 
+    @classmethod
+    def at_start(cls, limits: Limits, progress: Sequence[float | None] | None) -> Agility:
+        """That of a progress, so that a path stays what it was; without one, of the limits."""
+        return cls.of(limits) if progress is None else cls.resumed(progress)
+
     def progress(self) -> list[float | None]:
         """Its numbers, as JSON."""
         bounds = self.acceleration, self.speed, self.climb

@@ -31,7 +31,7 @@ _FURTHER = 0.02
 
 
 class PathFlight:
-    """Flies to a path and follows it: each period ``step``, then ``ended`` and ``blocked``."""
+    """Flies to a path and follows it to its end, where it rests: each period ``step``."""
 
     def __init__(
         self,
@@ -72,8 +72,17 @@ class PathFlight:
     def ended(self) -> bool:
         return self._leg is None and self.follower.ended
 
-    def step(self, flight: Flight, heading: Heading) -> Outcome | None:
-        """Command this period's set-point; the outcome ``blocked`` when it does not go on."""
+    def step(self, flight: Flight, heading: Heading) -> Outcome | str | None:
+        """Command this period's set-point: the outcome ``done`` at the end of the path, which is
+        held then, and ``blocked`` when it does not go on.
+        """
+        blocked = self._fly(flight, heading)
+        if not self.ended:
+            return blocked
+        flight.command(Position(self.follower.path.places[-1], yaw=self._yaw))
+        return "done"
+
+    def _fly(self, flight: Flight, heading: Heading) -> Outcome | None:
         seen, follower = flight.observation, self.follower
         self._here, self._now = seen.position, seen.time
         if heading == "keep":
@@ -109,10 +118,6 @@ class PathFlight:
             return yaw_along(follower.path.direction(follower.way), self._yaw)
         here = flight.observation.position
         return yaw_towards(heading, here, follower.place, self._start_yaw, self._yaw)
-
-    def rest(self, flight: Flight) -> None:
-        """Command the end of the path, to be held."""
-        flight.command(Position(self.follower.path.places[-1], yaw=self._yaw))
 
     def progress(self) -> dict[str, Any]:
         """The progress to resume from, as JSON."""

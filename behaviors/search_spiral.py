@@ -65,23 +65,18 @@ class SearchSpiral(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, progress = self.params, progress or {}
         self.begin = Point(*progress.get("begin", flight.observation.position))
-        self.agility = (
-            Agility.resumed(progress["agility"]) if progress else Agility.of(flight.limits)
-        )
+        self.agility = Agility.at_start(flight.limits, progress.get("agility"))
         path = _path(params, self.begin)
         pace = paced(path, [params.speed] * (len(path.ways) - 1), self.agility)
         self.way = PathFlight(flight, PathFollower(path, pace), params.speed, progress.get("way"))
 
     def step(self, flight: Flight) -> Outcome | str | None:
         way = self.way
-        blocked = way.step(flight, self.params.heading)
+        outcome = way.step(flight, self.params.heading)
         follower = way.follower
         out = horizontal_distance(follower.place, follower.path.places[0])
         flight.publish(Searched(out, follower.way / follower.path.length))
-        if way.ended:
-            way.rest(flight)
-            return "done"
-        return blocked
+        return outcome
 
     def progress(self) -> dict[str, Any]:
         return {

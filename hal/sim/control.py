@@ -67,7 +67,7 @@ class Controller:
         """Newtons (see :meth:`limit_thrust`)."""
         self._observes = False
         """True to estimate, in this mission period, the forces that are not the rotors'."""
-        self._felt = self._felt_before = (0.0, 0.0, 0.0)
+        self._disturbance = self._disturbance_before = (0.0, 0.0, 0.0)
         """Acceleration by those forces, as estimated now and when the mission period began, m/s²,
         world frame."""
         self._expected: Triple | None = None
@@ -237,15 +237,15 @@ class Controller:
 
         # Velocity → acceleration → the direction and size of the thrust.
         east, north, up = self.acceleration
-        felt_x, felt_y, felt_z = self._observe(vx, vy, vz) if self._observes else self._felt
+        dx, dy, dz = self._observe(vx, vy, vz) if self._observes else self._disturbance
         up += (self._target_vz - vz) * _VELOCITY_GAIN
         up = _MAX_RISE if up > _MAX_RISE else _MAX_SINK if up < _MAX_SINK else up
-        up += GRAVITY - felt_z
+        up += GRAVITY - dz
         up = _LEAST_UP if up < _LEAST_UP else up
         tilt = self._world_tilt
         if tilt is None:
-            east += (self._target_vx - vx) * _VELOCITY_GAIN - felt_x
-            north += (self._target_vy - vy) * _VELOCITY_GAIN - felt_y
+            east += (self._target_vx - vx) * _VELOCITY_GAIN - dx
+            north += (self._target_vy - vy) * _VELOCITY_GAIN - dy
         else:
             if self._thrust is not None:
                 up = self._thrust / self._mass * (r33 if r33 > _LEAST_COSINE else _LEAST_COSINE)
@@ -293,15 +293,15 @@ class Controller:
         control for advanced mechatronics*, IEEE/ASME Trans. Mechatronics 1996).
         """
         if self._expected is None:
-            return self._felt
+            return self._disturbance
         x, y, z = self._expected
-        a, b, c = self._felt
-        self._felt = felt = (
+        a, b, c = self._disturbance
+        self._disturbance = disturbance = (
             a + (vx - x - a * STEP) * _OBSERVER,
             b + (vy - y - b * STEP) * _OBSERVER,
             c + (vz - z - c * STEP) * _OBSERVER,
         )
-        return felt
+        return disturbance
 
     def expect(self, excess: float, axes: Axes) -> None:
         """Expect that much more thrust (N) in the next step than was wanted.
@@ -318,14 +318,14 @@ class Controller:
         The forces of a contact end with it: they are nothing to make up for.
         """
         if on:
-            self._felt_before = self._felt
+            self._disturbance_before = self._disturbance
         else:
-            self._felt = self._felt_before
+            self._disturbance = self._disturbance_before
         self._observes = on and self._estimates
 
     def forget(self) -> None:
         """Forget what has been observed, since something else acts on the vehicle now."""
-        self._felt = self._felt_before = _NOTHING
+        self._disturbance = self._disturbance_before = _NOTHING
         self._expected, self._turning = None, (0.0, 0.0)
 
 

@@ -36,7 +36,7 @@ from worlds.wind import read_wind
 from worlds.world import World
 
 
-def find_near(vehicles: Sequence[SimVehicle]) -> None:
+def _find_near(vehicles: Sequence[SimVehicle]) -> None:
     """Tell each vehicle whether it can touch another in the next mission period."""
     for vehicle in vehicles:
         vehicle.others_near = False
@@ -169,7 +169,7 @@ class SimSession:
             raise VehicleError("closed", "the simulator is closed")
         vehicles = self._all
         if len(vehicles) > 1:
-            find_near(vehicles)
+            _find_near(vehicles)
         if self._air is not None:
             self._air.begin_period(self._count / PERIODS_PER_SECOND)
         for vehicle in vehicles:

@@ -65,9 +65,6 @@ class SimVehicle(BaseVehicle):
     when it stands on the ground.
     """
 
-    estimated_wind: Point | None = None
-    """The wind that it observes, world frame, m/s; None where its model estimates none."""
-
     def __init__(
         self,
         name: str,
@@ -101,7 +98,8 @@ class SimVehicle(BaseVehicle):
         self.dynamics = dynamics
         self._state = dynamics.state
         """At the end of the last mission period."""
-        self.capabilities = capabilities_of(model)
+        # The wind that it observes, world frame, m/s; None where its model estimates none.
+        self.estimated_wind = _ORIGIN if model.estimates_wind else None
         self._switch = CameraSwitch({}, one_active=False)
         self.sensors: Mapping[str, Sensor] = {}
         self._controller = dynamics.controller
@@ -147,12 +145,11 @@ class SimVehicle(BaseVehicle):
     # Observation.
 
     def fit(self, switch: CameraSwitch, sensors: Mapping[str, Sensor]) -> None:
-        """Mount cameras and sensors, by name, and what estimates the wind."""
+        """Mount cameras and sensors, by name."""
         self._switch, self.sensors = switch, sensors
         mounted = {f"camera.{name}" for name in switch.cameras}
         mounted |= {f"sensor.{name}" for name in sensors}
         self.capabilities = capabilities_of(self._model) | mounted
-        self.estimated_wind = _ORIGIN if self._model.estimates_wind else None
 
     def _observed(self) -> Observation:
         (x, y, z), attitude, velocity, turning = self._state
