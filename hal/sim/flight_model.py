@@ -8,6 +8,7 @@ from math import dist, hypot, inf, sqrt
 from hal.flight_model import FlightModel
 from hal.limits import Limits
 from hal.sim.model import Model
+from hal.sim.rotor_power import level_power
 from vencejo.geometry import Point
 
 RETURN_HEIGHT = 5.0
@@ -27,8 +28,9 @@ def flight_model_of(model: Model) -> FlightModel:
 def _leg_charge(model: Model, begin: Point, end: Point, speed: float | None, stay: float) -> float:
     """The share of a full battery that a leg takes (see :data:`hal.flight_model.LegCharge`).
 
-    A rotor's mean thrust in level flight, in hover and in a steady climb is the weight, since the
-    simulator has no drag: so it is the time that costs (see :class:`hal.sim.battery.Battery`).
+    The power is that of hovering, or of level flight at the leg's speed where that is more. Up to
+    5 m/s it is within a tenth of it; a climb takes more, and the way back down less by about as
+    much (see :func:`hal.sim.rotor_power.level_power`).
     """
     length, rise = dist(begin, end), abs(end.z - begin.z)
     level = hypot(end.x - begin.x, end.y - begin.y)
@@ -37,5 +39,7 @@ def _leg_charge(model: Model, begin: Point, end: Point, speed: float | None, sta
     over_ground = model.max_speed * length / level if level else inf
     climbing = model.max_climb * length / rise if rise else inf
     reached = min(over_ground, climbing, speed or inf, sqrt(length * ACCELERATION))
+    power = max(1.0, level_power(model, reached * level / length) / model.hover_power)
     # A begin and an end at a steady acceleration take as long again as the way they shorten.
-    return (length / reached + reached / ACCELERATION + SMOOTHING + stay) / model.endurance
+    slow = reached / ACCELERATION + SMOOTHING + stay
+    return (power * length / reached + slow) / model.endurance

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import atan, cos, sin, sqrt
 
-from hal.sim.model import AIR_DENSITY, Rotors
+from hal.sim.model import AIR_DENSITY, Model, Rotors
 
 _ROUNDS = 4
 """Rounds of Newton's method; it starts within some per cent."""
@@ -40,3 +40,16 @@ def rotor_power(rotors: Rotors, thrust: float, climb: float = 0.0, across: float
     """
     through = climb + induced_velocity(thrust, rotors.area, climb, across)
     return max(0.0, thrust * through / rotors.efficiency)
+
+
+def level_power(model: Model, speed: float) -> float:
+    """The electrical power (W) of steady level flight at a speed (m/s) in still air.
+
+    The vehicle leans so that its thrust carries the weight and the drag (see docs/physics.md); its
+    own drag along its axes is what it carries besides.
+    """
+    body = AIR_DENSITY / 2 * model.drag.area * speed * speed
+    tilt = atan((body + model.drag.rotors * speed) / model.weight)
+    thrust = model.weight * cos(tilt) + body * sin(tilt)
+    power = rotor_power(model.rotors, thrust, speed * sin(tilt), speed * cos(tilt))
+    return model.battery.standby + power

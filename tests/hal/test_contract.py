@@ -657,7 +657,7 @@ def test_a_tilt_speeds_it_up_the_way_it_leans(session: Session) -> None:
     wait(session, 3, Position(Point(0.0, 0.0, 3.0), yaw=pi / 2))
     seen = wait(session, 1, Attitude(pitch=0.1))[-1]
     # Nose down flies forward, here north, at g·tan(tilt), less what drag takes in a second.
-    assert seen.velocity.y == pytest.approx(9.81 * 0.1003, rel=0.35)
+    assert 0.65 < seen.velocity.y / (9.81 * 0.1003) < 1.2
     assert abs(seen.velocity.x) < 0.05 and abs(seen.position.z - 3) < 0.1
     wait(session, 3, Hold())
     seen = wait(session, 1, Attitude(roll=0.1, climb=0.5))[-1]
@@ -670,7 +670,7 @@ def test_a_tilt_can_be_a_share_of_the_limits(session: Session) -> None:
     vehicle.configure(Limits(max_tilt=0.2, max_climb=1.0, max_yaw_rate=1.0))
     seen = wait(session, 1, Attitude(pitch=0.5, climb=0.5, yaw_rate=-0.5, unit="share"))[-1]
     speed = (seen.velocity.x**2 + seen.velocity.y**2) ** 0.5
-    assert speed == pytest.approx(9.81 * 0.1003, rel=0.35)
+    assert 0.65 < speed / (9.81 * 0.1003) < 1.2
     assert seen.velocity.z == pytest.approx(0.5, abs=0.1)
     assert seen.rates.z == pytest.approx(-0.5, abs=0.05)
     wait(session, 4, Hold())

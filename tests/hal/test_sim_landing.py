@@ -135,7 +135,7 @@ def test_it_leaves_what_it_cannot_stand_on(case: str) -> None:
         seen = landing(session, x, y, 7.0)
         assert seen[-1].mode == "flying" and seen[-1].armed
         assert told(seen[-1:]) == [("unstable", "thing")]
-        assert set(told(seen[:-1])) <= {("collision", "thing")} and len(told(seen)) <= 3
+        assert told(seen[:-1]) in ([], [("collision", "thing")])
         assert told(wait(session, 5)) == []
         clear = only(session).observe()
         assert clear.flying and clear.velocity.norm() < 0.02

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from itertools import combinations
 from math import pi
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from behaviors import Pilot
 from fsm.engine.instance import Record
+from hal.engines import default_engine
 from runner import (
     FleetFlight,
     Plan,
@@ -344,10 +346,10 @@ def test_one_more_vehicle_changes_nothing_for_the_others(write: Write, tmp_path:
         recorder = Recorder(folder)
         assert fly(plan_of(fleet, noise=1.0), lambda recorder=recorder: recorder).exit_code == 1  # type: ignore[misc]
     for name in ("cat", "mouse"):
-        rows_of = [(tmp_path / n / f"telemetry/{name}.csv").read_text().splitlines() for n in "23"]
-        # On the ground the engine's solver adds up what touches in another order.
-        few, many = ([row for row in rows if ",flying," in row] for rows in rows_of)
-        assert few == many and len(few) > 80
+        few, many = ((tmp_path / n / f"telemetry/{name}.csv").read_text() for n in "23")
+        if default_engine() == "mujoco":  # its solver works on all contacts of a world together
+            few, many = ("\n".join(re.findall(".*,flying,.*", rows)) for rows in (few, many))
+        assert few == many and few.count(",flying,") > 80
     run = read_run(tmp_path / "3")
     assert list(run.telemetry) == ["dog", "cat", "mouse"]
     assert run.telemetry["dog"][-1].position != run.telemetry["cat"][-1].position

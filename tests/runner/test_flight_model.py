@@ -16,6 +16,7 @@ from vencejo.geometry import Point
 
 MISSION = """
 mission: leg
+world: open.yaml
 states:
   up: {{do: takeoff, with: {{altitude: 2 m}}, on: {{done: go}}}}
   go: {{do: {do}, on: {{done: down{blocked}}}}}
@@ -24,9 +25,12 @@ states:
 """
 
 
-def taken(tmp_path: Path, do: str, blocked: str = ", blocked: down") -> float:
+def taken(
+    tmp_path: Path, do: str, blocked: str = ", blocked: down", model: str = "ardrone2"
+) -> float:
     """The share of the battery that a mission takes."""
     path = tmp_path / "leg.yaml"
+    (tmp_path / "open.yaml").write_text(f"world: open\nmodel: {model}\n")
     path.write_text(MISSION.format(do=do, blocked=blocked))
     plan = Plan.alone(prepare(find(str(path))))
     flown = fly(plan).alone
@@ -72,3 +76,17 @@ def test_the_vehicle_returns_as_high_as_was_said(tmp_path: Path) -> None:
         "  back: {do: return_home, on: {done: end}}\n  end: {type: final}\n"
     )
     assert fly_mission(path).highest == pytest.approx(model.return_height, abs=0.1)
+
+
+def test_a_fast_leg_takes_the_power_of_its_drag(tmp_path: Path) -> None:
+    """At 12 m/s a 450-class frame draws 1.3 times the power of hovering."""
+    model = flight_model("sim", "f450")
+    assert model is not None
+    here, to = Point(0.0, 0.0, 2.0), Point(400.0, 0.0, 2.0)
+    rest = "speed: 12 m/s, tolerance: 5 cm, heading: keep"
+    both = f"route, with: {{points: [{list(to)}, {list(here)}], {rest}}}"
+    stay = f"route, with: {{points: [{list(here)}], {rest}}}"
+    flown = taken(tmp_path, both, model="f450") - taken(tmp_path, stay, model="f450")
+    assert flown == pytest.approx(2 * model.leg_charge(here, to, 12.0, 0.0), rel=0.12)
+    hovering = model.leg_charge(to, to, None, 2 * 400 / 12)
+    assert flown > 1.1 * hovering, "more than the time alone"
