@@ -1,0 +1,1 @@
+"""Perception: pure functions on camera images, usable without a vehicle."""
