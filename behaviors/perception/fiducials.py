@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from hal.scene.arrays import Float64s, Pixels
 from vencejo.errors import nearest
 
 REFINEMENTS = {"none": 0, "subpix": 1, "contour": 2, "apriltag": 3}
@@ -39,7 +39,7 @@ class Fiducial:
     """A marker in an image."""
 
     id: int
-    corners: NDArray[np.float64]
+    corners: Float64s
     """(4, 2) pixels, clockwise in the marker's own picture from its upper left; a pixel's centre is
     a whole number."""
 
@@ -67,7 +67,7 @@ class Detections:
 
     found: tuple[Fiducial, ...]
     """The largest first."""
-    rejected: tuple[NDArray[np.float64], ...]
+    rejected: tuple[Float64s, ...]
     """Corners (4, 2) of squares that are no marker of the ids wanted, pixels."""
 
 
@@ -106,7 +106,7 @@ class FiducialDetector:
         except cv2.error as error:
             raise ValueError(f"OpenCV refuses these parameters: {error.err}") from error
 
-    def detect(self, image: NDArray[np.uint8]) -> Detections:
+    def detect(self, image: Pixels) -> Detections:
         """Find the markers in an image, (height, width) grey or (height, width, 3) BGR."""
         height, width = image.shape[:2]
         if min(height, width) < _SMALLEST:
@@ -137,7 +137,7 @@ def _dictionary(name: str) -> cv2.aruco.Dictionary:
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{short}"))
 
 
-def _picture(dictionary: cv2.aruco.Dictionary) -> NDArray[np.uint8]:
+def _picture(dictionary: cv2.aruco.Dictionary) -> Pixels:
     """A picture of the first marker, to try parameters on."""
     marker = cv2.aruco.generateImageMarker(dictionary, 0, 8 * (dictionary.markerSize + 2))
     return np.pad(marker, 32, constant_values=255)

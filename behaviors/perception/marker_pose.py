@@ -22,12 +22,12 @@ from typing import Literal
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from hal.vehicle import Frame, Intrinsics
-from vencejo.geometry import Point, Quaternion, turned
-
-Matrix = NDArray[np.float64]
+from hal.scene.arrays import Float64s
+from hal.scene.distortion import rays_of
+from hal.scene.transforms import rotation_matrix
+from hal.vehicle import Frame
+from vencejo.geometry import Point
 
 Posture = Literal["level", "upright", "any"]
 """What is known of a marker: it lies, facing up; it stands, facing any side; or neither."""
@@ -36,8 +36,6 @@ PIXEL_NOISE = 0.4
 """Standard deviation of a corner's place, pixels (sub-pixel refined, with sensor noise of 3)."""
 ATTITUDE_NOISE = 0.005
 """Standard deviation of the camera's attitude, radians (0.3°)."""
-_UNTIL = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)
-"""When the inverse of a distortion is exact enough."""
 _OUTLINE = np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)])
 """The corners of a marker of size 1 in its x and y, in the order in which they are found."""
 
@@ -50,7 +48,7 @@ class MarkerPose:
     """Of its centre, metres."""
     heading: float
     """Of its x axis where it lies level, of its z axis where it stands; radians."""
-    covariance: Matrix
+    covariance: Float64s
     """(3, 3) of the position, m²: of the corners' noise and that of the camera's attitude."""
     error: float
     """Root mean square distance of the corners from where this pose puts them, pixels."""
@@ -58,7 +56,7 @@ class MarkerPose:
 
 def marker_pose(
     frame: Frame,
-    corners: Matrix,
+    corners: Float64s,
     size: float,
     posture: Posture = "level",
     height: float | None = None,
@@ -69,8 +67,8 @@ def marker_pose(
     of the marker's centre, where it is known otherwise (from an altimeter, for one on the ground).
     None when no such marker can be seen so: behind the camera, or from its back.
     """
-    points = _normalised(corners, frame.intrinsics)
-    turn = _matrix(frame.attitude)
+    points = rays_of(corners, frame.intrinsics)
+    turn = rotation_matrix(frame.attitude)
     if posture == "any":
         return _full_pose(frame, points, turn, size)
     axes = _heading(points, turn, posture)
@@ -82,9 +80,9 @@ def marker_pose(
 
 def _placed(
     frame: Frame,
-    points: Matrix,
-    turn: Matrix,
-    offsets: Matrix,
+    points: Float64s,
+    turn: Float64s,
+    offsets: Float64s,
     heading: float,
     height: float | None,
 ) -> MarkerPose | None:
@@ -121,7 +119,7 @@ def _placed(
     return MarkerPose(frame.position.plus((x, y, z)), heading, covariance, error)
 
 
-def _equations(points: Matrix, turn: Matrix) -> tuple[Matrix, Matrix]:
+def _equations(points: Float64s, turn: Float64s) -> tuple[Float64s, Float64s]:
     """The rows (8, 3) that are orthogonal to the ray of each corner, in world axes, two for each;
     and in which corner each is.
     """
@@ -131,7 +129,7 @@ def _equations(points: Matrix, turn: Matrix) -> tuple[Matrix, Matrix]:
     return rows, np.repeat(np.arange(4), 2)
 
 
-def _heading(points: Matrix, turn: Matrix, posture: Posture) -> Matrix | None:
+def _heading(points: Float64s, turn: Float64s, posture: Posture) -> Float64s | None:
     """The marker's x and y axes (2, 3) in world axes; None when nothing fits."""
     rows, corner = _equations(points, turn)
     across, along = _OUTLINE[corner, 0], _OUTLINE[corner, 1]
@@ -157,7 +155,7 @@ def _heading(points: Matrix, turn: Matrix, posture: Posture) -> Matrix | None:
     return np.array([(c, s, 0.0), upper])
 
 
-def _facing(axes: Matrix, posture: Posture) -> float:
+def _facing(axes: Float64s, posture: Posture) -> float:
     """The heading of a marker with these axes."""
     x, y = axes
     if posture == "level":
@@ -166,7 +164,7 @@ def _facing(axes: Matrix, posture: Posture) -> float:
     return atan2(out[1], out[0])
 
 
-def _full_pose(frame: Frame, points: Matrix, turn: Matrix, size: float) -> MarkerPose | None:
+def _full_pose(frame: Frame, points: Float64s, turn: Float64s, size: float) -> MarkerPose | None:
     """The pose of a marker of which nothing is known: the better of the two that IPPE finds."""
     outline = np.column_stack([size * _OUTLINE, np.zeros(4)])
     try:
@@ -181,20 +179,3 @@ def _full_pose(frame: Frame, points: Matrix, turn: Matrix, size: float) -> Marke
     lies = abs(axes[2, 2]) > 0.7
     heading = atan2(axes[0, 1], axes[0, 0]) if lies else atan2(axes[2, 1], axes[2, 0])
     return _placed(frame, points, turn, size * _OUTLINE @ axes[:2], heading, None)
-
-
-def _normalised(corners: Matrix, lens: Intrinsics) -> Matrix:
-    """Undistorted image coordinates (4, 2) at focal length 1."""
-    matrix = np.array([[lens.fx, 0.0, lens.cx], [0.0, lens.fy, lens.cy], [0.0, 0.0, 1.0]])
-    points = np.ascontiguousarray(corners, np.float64).reshape(-1, 1, 2)
-    # By default OpenCV stops after five rounds, up to a pixel off. OpenCV 4 takes the criteria by a
-    # function of its own, which OpenCV 5 has no more.
-    undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)
-    bent = np.array(lens.distortion)
-    straight = undistort(points, matrix, bent, R=None, P=None, criteria=_UNTIL)
-    return np.asarray(straight, np.float64).reshape(-1, 2)
-
-
-def _matrix(q: Quaternion) -> Matrix:
-    """The rotation as a (3, 3) matrix."""
-    return np.array([turned(axis, q) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]).T
