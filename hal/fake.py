@@ -25,6 +25,7 @@ from hal.vehicle import (
     Answer,
     Attitude,
     Authority,
+    Camera,
     Hold,
     Observation,
     Options,
@@ -99,10 +100,18 @@ class FakeVehicle(BaseVehicle):
         """True to let it stay in its place whatever it is commanded."""
         self.unstable_on: list[str] = []
         """Names of the things on which it comes down and does not stand, landing by landing."""
+        self.cameras: dict[str, Camera] = {}
+        """The cameras that it has, by name; name ``camera.<name>`` among the capabilities too."""
         self.refuse_next: str | None = None
         """Reason for which the next verb, and only that one, is refused."""
-        self._limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
-        self._limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
+        self._limits: dict[str, float] = {
+            "max_speed": 5.0,
+            "max_climb": 2.0,
+            "max_yaw_rate": 1.75,
+            "max_tilt": 0.35,
+            "max_altitude": inf,
+            "min_altitude": -inf,
+        }
         """By the names they have in :class:`hal.limits.Limits`."""
         self._ground = 0.0
         """Its height, world frame, metres."""
@@ -261,6 +270,9 @@ class FakeVehicle(BaseVehicle):
         return ACCEPTED
 
     # Time.
+
+    def camera(self, name: str) -> Camera:
+        return self.cameras[name] if name in self.cameras else super().camera(name)
 
     def advance(self, now: float, step: float = PERIOD) -> None:
         """Simulate the mission period of ``step`` seconds that ends at ``now``."""
