@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
-from behaviors.flight import Flight
+from behaviors.flight import PICTURE_NAME, Flight
 from behaviors.guidance import STILL, Reference, yaw_towards
 from behaviors.host_functions import PICTURE_NAME
 from behaviors.manoeuvre import EPSILON
