@@ -113,7 +113,7 @@ def _marker(fiducial: Fiducial) -> Pixels:
         )
     modules = dictionary.markerSize + 2
     black = cv2.aruco.generateImageMarker(dictionary, fiducial.id, modules * _MODULE)
-    plate = np.pad(black, _MODULE, constant_values=255)
+    plate = np.asarray(np.pad(black, _MODULE, constant_values=255), np.uint8)
     if fiducial.inside is not None:
         _put_inside(plate, _marker(fiducial.inside), fiducial.share)
     return plate
