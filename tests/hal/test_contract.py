@@ -298,7 +298,7 @@ def test_lands_out_of_full_speed_without_harm(session: Session) -> None:
 
 def test_comes_down_with_a_velocity_that_may_change(session: Session) -> None:
     needs(session, "land.moving")
-    vehicle = take_off(session)
+    vehicle = take_off(session, 6.0)
     order = vehicle.land(Point(0.5, 0.0, 0.0))
     seen = wait(session, 1.5)[-1]
     assert order.state == "accepted" and seen.mode == "landing"
