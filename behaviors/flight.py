@@ -15,6 +15,7 @@ from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import Order
 from hal.vehicle import Camera, Frame, Observation, Sensor, Setpoint
+from vencejo.geometry import Point
 
 if TYPE_CHECKING:
     import numpy as np
@@ -160,10 +161,14 @@ class Flight:
         self._need("motion")
         return self._manoeuvre(self._channel.vehicle.takeoff(number("altitude", altitude)))
 
-    def land(self) -> Order:
-        """Descend here and stop the motors. Raises NotInControl."""
+    def land(self, moving: Point | None = None) -> Order:
+        """Descend here and stop the motors, ``moving`` over the ground at a velocity (m/s) that may
+        be given anew (see hal.Vehicle).
+
+        Raises NotInControl, ValueError for what is not finite, and hal's Unavailable.
+        """
         self._need("motion")
-        return self._manoeuvre(self._channel.vehicle.land())
+        return self._manoeuvre(self._channel.vehicle.land(moving))
 
     def return_home(self) -> Order:
         """Fly home by the vehicle's own means and land there. Raises NotInControl."""
