@@ -104,8 +104,14 @@ class FakeVehicle(BaseVehicle):
         """The cameras that it has, by name; name ``camera.<name>`` among the capabilities too."""
         self.refuse_next: str | None = None
         """Reason for which the next verb, and only that one, is refused."""
-        self._limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
-        self._limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
+        self._limits: dict[str, float] = {
+            "max_speed": 5.0,
+            "max_climb": 2.0,
+            "max_yaw_rate": 1.75,
+            "max_tilt": 0.35,
+            "max_altitude": inf,
+            "min_altitude": -inf,
+        }
         """By the names they have in :class:`hal.limits.Limits`."""
         self._ground = 0.0
         """Its height, world frame, metres."""
