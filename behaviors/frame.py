@@ -185,10 +185,8 @@ class MissionFrame:
             return self.point(given, start)
         if type_ == HEADING:
             return self.heading(given, start)
-        if type_ == AREAS:
-            return [self.resolve(AREA, area, start) for area in given]
-        if type_ in (ROUTE, AREA):
-            element = self._waypoint if type_ == ROUTE else self.point
+        if type_ in (ROUTE, AREA, AREAS):
+            element = {ROUTE: self._waypoint, AREA: self.point, AREAS: self._area}[type_]
             return [element(each, start) for each in given]
         if isinstance(type_, Text) and type_.file:
             return self._content(given)
@@ -198,6 +196,9 @@ class MissionFrame:
         if file not in self.files:
             raise EvaluationError(f"the file '{file}' has not been read")
         return self.files[file]
+
+    def _area(self, given: Any, start: Pose) -> list[Point]:
+        return [self.point(corner, start) for corner in given]
 
     def _waypoint(self, given: Any, start: Pose) -> Waypoint:
         if isinstance(given, Mapping) and "at" in given:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from behaviors.params import Area, Areas
 from behaviors.plan import Unflyable
 from vencejo.geometry import Point
-from vencejo.polylines import crossing_of
+from vencejo.polylines import XY, crossing_of
 
 
 def require_simple(outline: Sequence[Point], parameter: str = "area") -> None:
@@ -23,3 +24,12 @@ def require_simple(outline: Sequence[Point], parameter: str = "area") -> None:
         hint = "name its corners in order, as one walks round it"
         message = f"the outline of this area crosses or touches itself near {where}"
         raise Unflyable(message, parameter, hint)
+
+
+def outlines_of(area: Area, holes: Areas) -> tuple[list[XY], list[list[XY]]]:
+    """The outlines of an area and of its holes on the map. Raises as :func:`require_simple`."""
+    require_simple(area)
+    for hole in holes:
+        require_simple(hole, "holes")
+    outer, *inner = [[(corner.x, corner.y) for corner in each] for each in (area, *holes)]
+    return outer, inner

@@ -10,7 +10,7 @@ from behaviors.behavior import Behavior
 from behaviors.coverage import Footprint, Lanes, lanes_over
 from behaviors.flight import Flight
 from behaviors.lane_flight import LaneFlight, LaneStyle, along_lanes, lane_places
-from behaviors.outline import require_simple
+from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
@@ -91,12 +91,7 @@ class Sweep(Behavior):
 
 
 def _lanes(params: Any, begin: Point) -> Lanes:
-    """The lanes over the area. Raises Unflyable where nobody can tell which they are."""
-    require_simple(params.area)
-    for hole in params.holes:
-        require_simple(hole, "holes")
-    corners = [(corner.x, corner.y) for corner in params.area]
-    holes = [[(corner.x, corner.y) for corner in hole] for hole in params.holes]
+    corners, holes = outlines_of(params.area, params.holes)
     footprint = Footprint(params.step, params.step / 2)
     return lanes_over(corners, holes, footprint, params.speed, (begin.x, begin.y), params.axis)
 
