@@ -17,6 +17,7 @@ from behaviors import Calls, Pilot
 from cli.options import (
     LimitSettings,
     MissionName,
+    PictureRate,
     Speed,
     Word,
     WorldName,
@@ -50,7 +51,7 @@ from runner.missions import Found
 from runner.pace import Pace
 from runner.plan import Assignment, Fleet, Plan, with_model
 from runner.posts import parse_posts
-from runner.recorder import Recorder, new_folder
+from runner.recorder import PICTURE_RATE, Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from runner.vehicle_models import faults_of_models, flight_of, models_of
 from vencejo.errors import Fault, OutputError, Stopped, UserError, Where
@@ -145,7 +146,14 @@ if TYPE_CHECKING:
 @click.option(
     "--no-frames",
     is_flag=True,
-    help="Do not keep the camera pictures that behaviours read, to save space.",
+    help="Do not keep the camera pictures that behaviours read or annotate, to save space.",
+)
+@click.option(
+    "--picture-rate",
+    type=PictureRate(),
+    default=f"{PICTURE_RATE:g}Hz",
+    show_default=True,
+    help="The most annotated pictures of a behaviour to keep in a second.",
 )
 @call_limit_option
 @click.option(
@@ -180,6 +188,7 @@ def run(
     posts: tuple[str, ...],
     runs_dir: Path,
     no_frames: bool,
+    picture_rate: float,
     no_picture: bool,
     call_limit: float | None,
     as_json: bool,
@@ -235,13 +244,15 @@ def run(
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         folder = new_folder(runs_dir, stamp, plan.name)
-        return Recorder(folder, frames=not no_frames)
+        return Recorder(folder, frames=not no_frames, picture_rate=picture_rate)
 
     how = _Shown(None if as_json else context.obj, picture=not no_picture)
     sys.exit(_fly(plan, speed, call_limit, record, how))
 
 
-_BESIDE_AGAIN = ("again", "speed", "runs_dir", "no_frames", "no_picture", "as_json")
+_BESIDE_AGAIN = (
+    *("again", "speed", "runs_dir", "no_frames", "picture_rate", "no_picture", "as_json"),
+)
 """Parameters that do not change a flight."""
 
 
