@@ -6,10 +6,12 @@ The built-in ones are in :mod:`behaviors.detectors`.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
 
+from behaviors.action import arguments_of
+from fsm.host import Parameter
 from hal.vehicle import Frame
 
 BUILT_IN = ("fiducials", "color", "people")
@@ -42,8 +44,11 @@ class OwnDetector(NamedTuple):
     """A person's function that finds things."""
 
     name: str
-    function: Callable[..., Any] | None
+    function: Callable[..., Any] | None = None
     """None for one that is taken on trust, because its file must not be run."""
+    parameters: Mapping[str, Parameter] = {}
+    """Its settings."""
+    help: str = ""
 
 
 def detector(function: F) -> F:
@@ -74,4 +79,5 @@ def describe_detector(function: Callable[..., Any]) -> OwnDetector:
         inspect.signature(function).bind_partial(None, 0.0)
     except TypeError:
         raise TypeError(f"{name}: write `def {name}(frame, ground): …`") from None
-    return OwnDetector(name, function)
+    help_ = inspect.getdoc(function) or ""
+    return OwnDetector(name, function, arguments_of(function, after=2), help_)

@@ -8,7 +8,7 @@ A mission gives a list; each entry is a name, or a map of a name to its settings
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from math import hypot, isfinite, pi
 from typing import Any
@@ -22,7 +22,8 @@ from behaviors.perception.color import ColorRange, hsv_mask, mask, read_color
 from behaviors.perception.fiducials import FiducialDetector
 from behaviors.perception.projection import ground_points, pixels_of
 from behaviors.plan import Unflyable
-from fsm.values.functions import shown
+from fsm.values.conversion import convert
+from fsm.values.functions import EvaluationError, shown
 from hal.scene.arrays import Float64s, Pixels
 from hal.vehicle import Frame
 from vencejo.errors import nearest
@@ -46,19 +47,26 @@ _HINT = "such as [people, {color: {color: orange, size: 60 cm}}]"
 
 def _read(entry: Any, own: Mapping[str, OwnDetector]) -> Detector:
     name, settings = (entry, {}) if isinstance(entry, str) else _parts(entry)
-    known = {**_BUILT, **{each.name: _own(each) for each in own.values()}}
-    if name not in known:
-        raise Unflyable(f"there is no detector '{name}'", "detect", nearest(name, known) or "")
-    make = known[name]
-    wrong = sorted(set(settings) - set(inspect.signature(make).parameters))
-    if wrong and make is not _trusted:
-        names = list(inspect.signature(make).parameters)
-        hint = (nearest(wrong[0], names) or "") if names else "it has none"
-        raise Unflyable(f"the detector '{name}' has no setting '{wrong[0]}'", "detect", hint)
+    if name not in _BUILT and name not in own:
+        hint = nearest(name, [*_BUILT, *own]) or ""
+        raise Unflyable(f"there is no detector '{name}'", "detect", hint)
     try:
-        return make(**settings)
-    except (TypeError, ValueError) as error:
+        if name in own:
+            return _own(own[name], settings)
+        _require_known(name, settings, inspect.signature(_BUILT[name]).parameters)
+        return _BUILT[name](**settings)
+    except (EvaluationError, TypeError, ValueError) as error:
+        if isinstance(error, Unflyable):
+            raise
         raise Unflyable(f"the detector '{name}': {error}", "detect") from None
+
+
+def _require_known(name: str, settings: Iterable[str], known: Collection[str]) -> None:
+    """Raises Unflyable for a setting that a detector does not have."""
+    for each in settings:
+        if each not in known:
+            hint = (nearest(each, known) or "") if known else "it has none"
+            raise Unflyable(f"the detector '{name}' has no setting '{each}'", "detect", hint)
 
 
 def _parts(entry: Any) -> tuple[str, Mapping[str, Any]]:
@@ -70,22 +78,19 @@ def _parts(entry: Any) -> tuple[str, Mapping[str, Any]]:
     raise Unflyable(f"{shown(entry)} names no detector", "detect", _HINT)
 
 
-def _own(own: OwnDetector) -> Callable[..., Detector]:
-    """What makes a detector of a person's function and the settings of a mission."""
-    function = own.function
-    if function is None:
-        return _trusted
-    parameters = [*inspect.signature(function).parameters.values()][2:]
+def _own(own: OwnDetector, settings: Mapping[str, Any]) -> Detector:
+    """A person's function with the settings of a mission.
 
-    def make(**settings: Any) -> Detector:
-        return partial(_called, own.name, partial(function, **settings))
-
-    make.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    return make
-
-
-def _trusted(**settings: Any) -> Detector:
-    return lambda frame, ground: []
+    Raises EvaluationError for settings that do not fit its arguments.
+    """
+    if own.function is None:
+        return lambda frame, ground: []
+    _require_known(own.name, settings, own.parameters)
+    for each in own.parameters.values():
+        if each.required and each.name not in settings:
+            raise Unflyable(f"the detector '{own.name}' needs '{each.name}'", "detect")
+    given = {name: convert(value, own.parameters[name].type) for name, value in settings.items()}
+    return partial(_called, own.name, partial(own.function, **given))
 
 
 def _called(

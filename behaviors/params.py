@@ -71,6 +71,7 @@ _TYPES: dict[Any, Type] = {
     Areas: AREAS,
     Any: ANY,
     list: ListOf(),
+    list[Any]: ListOf(),
 }
 
 

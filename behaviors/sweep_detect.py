@@ -10,7 +10,6 @@ import shapely
 
 from behaviors.behavior import Behavior
 from behaviors.coverage import Footprint, Lanes, area_of, lanes_over
-from behaviors.detector import OwnDetector
 from behaviors.detectors import read_detectors
 from behaviors.findings import Findings, News
 from behaviors.flight import Flight
@@ -81,7 +80,7 @@ class SweepDetect(Behavior):
 
     class Params(BehaviorParams):
         area: Area = param(help="the corners of the area")
-        detect: list = param(help="the detectors: people, {fiducials: …}, {color: …}, own ones")  # type: ignore[type-arg]
+        detect: list[Any] = param(help="people, {fiducials: …}, {color: …}, or your own")
         holes: Areas = param([], help="areas inside that are left out")
         height: float = param(6.0, unit="m", min=0.5, max=120.0, help="of the flight")
         above: str = param("home", choices=("home", "ground"), help="from where it counts")
@@ -111,7 +110,6 @@ class SweepDetect(Behavior):
     publishes = Searched
     requires = ("position", "velocity")
     needs_flight = True
-    detectors: ClassVar[Mapping[str, OwnDetector]] = {}
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
