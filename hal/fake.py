@@ -25,6 +25,7 @@ from hal.vehicle import (
     Answer,
     Attitude,
     Authority,
+    Camera,
     Hold,
     Observation,
     Options,
@@ -99,6 +100,8 @@ class FakeVehicle(BaseVehicle):
         """True to let it stay in its place whatever it is commanded."""
         self.unstable_on: list[str] = []
         """Names of the things on which it comes down and does not stand, landing by landing."""
+        self.cameras: dict[str, Camera] = {}
+        """The cameras that it has, by name; name ``camera.<name>`` among the capabilities too."""
         self.refuse_next: str | None = None
         """Reason for which the next verb, and only that one, is refused."""
         self._limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
@@ -261,6 +264,9 @@ class FakeVehicle(BaseVehicle):
         return ACCEPTED
 
     # Time.
+
+    def camera(self, name: str) -> Camera:
+        return self.cameras[name] if name in self.cameras else super().camera(name)
 
     def advance(self, now: float, step: float = PERIOD) -> None:
         """Simulate the mission period of ``step`` seconds that ends at ``now``."""

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from statistics import NormalDist
-from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from hal.scene.arrays import Float32s, Float64s, Pixels
-from hal.scene.transforms import camera_matrix
+from hal.scene.arrays import Float32s, Pixels
+from hal.scene.distortion import pixels_of, rays_of
 from hal.sim.sensors.camera_spec import CameraSpec
 from hal.vehicle import Intrinsics
 from vencejo.errors import UserError
@@ -78,19 +76,11 @@ def _undistorted(lens: Intrinsics) -> tuple[Intrinsics, tuple[Float32s, Float32s
     The maps (for ``cv2.remap``) give x and y in the pinhole image for each pixel of the distorted
     one.
     """
-    matrix = camera_matrix(lens)
     x, y = np.meshgrid(np.arange(lens.width), np.arange(lens.height))
-    pixels = np.stack([x, y], -1).reshape(-1, 1, 2).astype(np.float64)
-    # Without its criteria OpenCV stops after five rounds, up to a pixel off. OpenCV 4 takes them by
-    # a function of its own, which OpenCV 5 has no more.
-    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)
-    undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)
-    straight = undistort(
-        pixels, matrix, np.array(lens.distortion), R=None, P=None, criteria=criteria
-    )
-    rays = np.asarray(straight).reshape(lens.height, lens.width, 2)
+    pixels = np.stack([x, y], -1).reshape(-1, 2).astype(np.float64)
+    rays = rays_of(pixels, lens).reshape(lens.height, lens.width, 2)
     error = max(
-        float(np.abs(_distorted(row, matrix, lens.distortion) - pixel).max())
+        float(np.abs(pixels_of(row, lens) - pixel).max())
         for row, pixel in zip(rays, pixels.reshape(rays.shape), strict=True)
     )
     low, high = rays.reshape(-1, 2).min(0), rays.reshape(-1, 2).max(0)
@@ -108,14 +98,6 @@ def _undistorted(lens: Intrinsics) -> tuple[Intrinsics, tuple[Float32s, Float32s
     pinhole = Intrinsics(width, height, lens.fx, lens.fy, float(-left), float(-top))
     places = (rays * (lens.fx, lens.fy) - (left, top)).astype(np.float32)
     return pinhole, (places[..., 0].copy(), places[..., 1].copy())
-
-
-def _distorted(rays: NDArray[Any], matrix: Float64s, distortion: tuple[float, ...]) -> Float64s:
-    """The pixels (n, 2) where a distorted camera sees rays (n, 2), x and y at depth 1."""
-    # OpenCV makes 15 derivatives for each ray: of a whole image at once they fill gigabytes.
-    points = np.concatenate([rays, np.ones((len(rays), 1))], 1)
-    seen = cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, np.array(distortion))[0]
-    return np.asarray(seen, np.float64).reshape(-1, 2)
 
 
 def _noise_masks(spec: CameraSpec, seed: int, names: tuple[str, ...]) -> tuple[Pixels, Pixels]:
