@@ -5,12 +5,11 @@ A refusal by the vehicle becomes ``error.execution`` in the mission.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from behaviors.channel import Channel
+from behaviors.channel import PICTURE_NAME, Channel
 from fsm.host import Function, Parameter
 from fsm.values.functions import EvaluationError
 from fsm.values.types import TEXT, Number, Text
@@ -99,8 +98,6 @@ def save_picture(channel: Channel, name: str, camera: str | None = None) -> None
     channel.on_photo(name, chosen, frame)
 
 
-PICTURE_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
-"""What a photo may be called: its file has that name."""
 TOGGLE = "toggle"
 """The word for the camera after the active one."""
 HostFunction = Callable[..., Order | None]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
-from behaviors.flight import PICTURE_NAME, Flight
+from behaviors.channel import PICTURE_NAME
+from behaviors.flight import Flight
 from behaviors.guidance import STILL, Reference, yaw_towards
-from behaviors.host_functions import PICTURE_NAME
 from behaviors.manoeuvre import EPSILON
 from behaviors.params import BehaviorParams, Heading, param
 from behaviors.plan import Legs, PlanStart, Unflyable

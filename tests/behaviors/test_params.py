@@ -28,7 +28,6 @@ from behaviors.params import fields_of, parameters_of
 from fsm.values.types import ANY, AREA, BOOL, HEADING, POINT, ROUTE, ListOf, Number, Text
 from vencejo.units import ANGLE, LENGTH, SPEED, TIME
 
-
 ROOT = Path(__file__).parents[2]
 
 
