@@ -147,8 +147,8 @@ def path(image: Pixels, frame: Frame, points: ArrayLike, color: Color = YELLOW) 
 
 
 def _thickness(image: Pixels) -> int:
-    height, width = image.shape[:2]
-    return max(1, round(min(height, width) / _HEIGHT))
+    least: int = min(image.shape[:2])
+    return max(1, round(least / _HEIGHT))
 
 
 def _is_near(pixel: Sequence[float] | Float64s) -> bool:
