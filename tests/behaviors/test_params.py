@@ -175,3 +175,20 @@ def test_all_shipped_behaviours_say_what_they_are_for() -> None:
             if isinstance(parameter.type, Number) and parameter.default is not None:
                 assert parameter.type.min <= parameter.default <= parameter.type.max
     assert "goto" in catalog and "gogo" not in catalog
+
+
+def test_the_camera_that_a_parameter_names_is_needed_by_default_too() -> None:
+    class Look(Behavior):
+        """Looks."""
+
+        class Params(BehaviorParams):
+            camera: str = param("ventral", names="camera")
+            other: str | None = param(None, names="camera")
+
+    info = describe(Look)
+    assert list(info.named({})) == ["camera.ventral"]
+    assert list(info.named({"camera": "front", "other": "left"})) == [
+        "camera.front",
+        "camera.left",
+    ]
+    assert list(info.named({"camera": None})) == []
