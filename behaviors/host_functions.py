@@ -9,8 +9,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from behaviors.channel import Channel
-from behaviors.flight import PICTURE_NAME
+from behaviors.channel import PICTURE_NAME, Channel
 from fsm.host import Function, Parameter
 from fsm.values.functions import EvaluationError
 from fsm.values.types import TEXT, Number, Text

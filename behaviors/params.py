@@ -16,6 +16,7 @@ from fsm.host import Parameter
 from fsm.values.types import (
     ANY,
     AREA,
+    AREAS,
     BOOL,
     HEADING,
     POINT,
@@ -54,6 +55,8 @@ Route = list[Waypoint]
 """Points in order, mission frame."""
 Area = list[Point]
 """The corners of a polygon, mission frame."""
+Areas = list[Area]
+"""Several polygons."""
 
 _TYPES: dict[Any, Type] = {
     bool: BOOL,
@@ -65,8 +68,10 @@ _TYPES: dict[Any, Type] = {
     Heading: HEADING,
     Route: ROUTE,
     Area: AREA,
+    Areas: AREAS,
     Any: ANY,
     list: ListOf(),
+    list[Any]: ListOf(),
 }
 
 

@@ -34,6 +34,10 @@ class Fiducial:
     dictionary: str
     """OpenCV's name without DICT_: ``4X4_50``, ``APRILTAG_36h11``, ``ARUCO_ORIGINAL``."""
     id: int
+    inside: Fiducial | None = None
+    """A smaller one in its middle, for whoever is too near to see all of this one."""
+    share: float = 0.0
+    """Side of the plate of the one inside over the side of this one's plate."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,6 +44,7 @@ HELP: Mapping[str, str] = {
     "heights": "As on a map: the first row is north. 0 along the border.",
     "houses": "Flat-roofed houses, the door in front.",
     "id": "Number of the marker in its dictionary.",
+    "inside": "A smaller marker in the middle of a marker, of another dictionary.",
     "lat": "Degrees north.",
     "lean": "Leans it back; 90 deg would lay it down.",
     "light": "The sun and the sky.",

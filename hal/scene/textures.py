@@ -118,7 +118,20 @@ def _marker(fiducial: Fiducial) -> Pixels:
         )
     modules = dictionary.markerSize + 2
     black = cv2.aruco.generateImageMarker(dictionary, fiducial.id, modules * _MODULE)
-    return np.pad(black, _MODULE, constant_values=255)
+    plate = np.asarray(np.pad(black, _MODULE, constant_values=255), np.uint8)
+    if fiducial.inside is not None:
+        _put_inside(plate, _marker(fiducial.inside), fiducial.share)
+    return plate
+
+
+def _put_inside(plate: Pixels, inside: Pixels, share: float) -> None:
+    """Draw a smaller plate in the middle of another one."""
+    side = len(plate)
+    # As many texels on both sides, so that it is in the very middle.
+    margin = round(side * (1 - share) / 2)
+    left = side - 2 * margin
+    scaled = cv2.resize(inside, (left, left), interpolation=cv2.INTER_AREA)
+    plate[margin : side - margin, margin : side - margin] = scaled
 
 
 def _board(charuco: Charuco) -> Pixels:

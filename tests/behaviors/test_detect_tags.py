@@ -35,7 +35,9 @@ class Watcher:
         self.look = look
         self.covered = False
         session, self.vehicle = sighted(self._look, height)
-        self.solo = Solo("detect_tags", {"camera": "ventral", **values}, vehicle=(session, self.vehicle))
+        self.solo = Solo(
+            "detect_tags", {"camera": "ventral", **values}, vehicle=(session, self.vehicle)
+        )
 
     def _look(self, pose: Pose, time: float) -> Pixels | None:
         image = self.look(pose, time)
@@ -144,7 +146,8 @@ def test_while_it_is_missed_it_is_expected_where_it_moves() -> None:
 
 def test_it_keeps_to_one_of_several_as_the_nearest() -> None:
     side_by_side = (
-        "markers:\n  a: {at: [2, 0.3], id: 3, size: 20 cm}\n  b: {at: [2, -0.3], id: 7, size: 20 cm}\n"
+        "markers:\n  a: {at: [2, 0.3], id: 3, size: 20 cm}\n"
+        "  b: {at: [2, -0.3], id: 7, size: 20 cm}\n"
     )
     watcher = Watcher(world_look(side_by_side))
     assert watcher.at(2, 0.05, periods=8).id == 3
@@ -154,7 +157,10 @@ def test_it_keeps_to_one_of_several_as_the_nearest() -> None:
 
 
 def test_equal_markers_are_told_apart_by_their_places() -> None:
-    equal = "markers:\n  a: {at: [2, 0.3], id: 3, size: 20 cm}\n  b: {at: [2, -0.3], id: 3, size: 20 cm}\n"
+    equal = (
+        "markers:\n  a: {at: [2, 0.3], id: 3, size: 20 cm}\n"
+        "  b: {at: [2, -0.3], id: 3, size: 20 cm}\n"
+    )
     watcher = Watcher(world_look(equal))
     tags = watcher.at(2, 0.0, periods=12)
     assert (tags.count, tags.ids) == (2, [3, 3])

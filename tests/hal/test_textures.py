@@ -117,6 +117,22 @@ def test_a_marker_is_found_with_its_number(dictionary: str, id_: int, modules: i
     assert corners[0][0, 0] == pytest.approx((64, 64), abs=2)
 
 
+def test_a_marker_inside_another_one_is_in_its_middle() -> None:
+    pixels = mipmap_of(Fiducial("6X6_250", 5, Fiducial("4X4_50", 9), 0.256)).level(0.0)
+    middles = []
+    for dictionary, id_, side in (("6X6_250", 5, 512), ("4X4_50", 9, 0.256 * 640 * 6 / 8)):
+        known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
+        settings = cv2.aruco.DetectorParameters()
+        settings.errorCorrectionRate = 1.0
+        corners, found, _ = cv2.aruco.ArucoDetector(known, settings).detectMarkers(
+            np.ascontiguousarray(pixels[..., :3])
+        )
+        assert found is not None and found.reshape(-1).tolist() == [id_]
+        assert np.ptp(corners[0][0, :, 0]) == pytest.approx(side, abs=3)
+        middles.append(corners[0][0].mean(axis=0))
+    assert middles[0] == pytest.approx(middles[1], abs=1)
+
+
 @pytest.mark.parametrize(
     ("texture", "code", "hint"),
     [

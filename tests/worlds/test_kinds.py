@@ -141,6 +141,16 @@ def test_a_marker_on_a_box_moves_with_it() -> None:
     assert part_pose(pad.parts[1], at, attitude)[0] == pytest.approx((0, 4.5, 0.21))
 
 
+def test_a_marker_can_have_another_one_inside() -> None:
+    nested = "id: 5, size: 0.5, dictionary: 6X6_250, inside: {id: 9, size: 0.12}"
+    lying = only(f"markers: {{m: {{at: [0, 0], {nested}}}}}").parts[0]
+    on_top = only(f"boxes: {{b: {{at: [0, 0], size: [1, 1, 1], marker: {{{nested}}}}}}}").parts[1]
+    assert lying.texture == on_top.texture
+    assert isinstance(lying.texture, Fiducial) and lying.shape == Plate(0.625, 0.625)
+    assert lying.texture.inside == Fiducial("4X4_50", 9)
+    assert lying.texture.share == pytest.approx(0.16 / 0.625)
+
+
 def test_a_smooth_path_goes_through_its_points() -> None:
     car = only(
         "cars: {c: {moves:"
