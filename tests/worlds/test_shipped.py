@@ -26,7 +26,7 @@ def named(world: World, name: str) -> Thing:
 def test_these_are_shipped() -> None:
     expected = {"beacons", "empty", "marker_yard", "pursuit", "road_town", "search_field"}
     expected |= {"roundel_ring", "roundel_walk", "slalom", "tag_row", "tag_walk", "yard"}
-    assert set(world_names()) == expected
+    assert expected <= set(world_names())
 
 
 @pytest.mark.parametrize("name", world_names())
