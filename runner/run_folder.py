@@ -330,9 +330,14 @@ def pictures_header() -> dict[str, Any]:
     return {"format": PICTURES_FORMAT, "version": PICTURES_VERSION}
 
 
+def picture_folder(vehicle: str, name: str) -> str:
+    """The path of the annotated pictures of a name, from the run folder."""
+    return f"pictures/{vehicle}/{name}"
+
+
 def picture_file(vehicle: str, name: str, number: int) -> str:
     """The path of the n-th annotated picture of a name, from the run folder."""
-    return f"pictures/{vehicle}/{name}/{number:06d}.jpg"
+    return f"{picture_folder(vehicle, name)}/{number:06d}.jpg"
 
 
 def picture_fields(vehicle: str, name: str, number: int, time: float) -> dict[str, Any]:
