@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot
+from math import cos, hypot, pi, sin
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
@@ -28,12 +28,16 @@ CENTRED, CALM = 0.05, 0.15
 FUNNEL, SLOPE = 0.06, 0.15
 """Distance from over the middle inside which it descends: at the pad, metres, and what is added for
 each metre of height."""
-FRESH, BLIND = 0.3, 1.0
+FRESH, BLIND = 0.3, 2.2
 """Seconds without a sight after which it does not descend, and after which it climbs to look."""
 FOLLOWED = 4.0
 """Seconds for which it goes on with a pad that it does not see."""
-WIDER = 1.0
+WIDER = 2.0
 """Height by which it looks from farther above each time, metres."""
+LEAST_SEEN = 14.0
+"""Side of the marker in the picture up to which it climbs, pixels."""
+ROUND = 0.6
+"""Radius by which it goes round the place in a wider circle each time, metres."""
 CLOSING = 2.0
 """Gain from distance to speed over the pad when it comes down, 1/s."""
 MOST_CLOSING = 0.5
@@ -111,7 +115,7 @@ class LandOn(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen = self.params, flight.observation
         marker = _marker(params)
-        self.smallest = marker.smallest
+        self.largest, self.smallest = marker.largest, marker.smallest
         self.watch = TargetWatch(
             flight,
             params.camera,
@@ -164,12 +168,21 @@ class LandOn(Behavior):
             self.tries, self.since = self.tries + 1, now
         follows = watch.age(now) < FOLLOWED
         place = watch.position_at(min(now, self._seen_at() + FOLLOWED))
-        if place is None:
-            target = self.begin._replace(z=self.begin.z + WIDER * self.tries)
-        else:
-            target = place._replace(z=place.z + params.height + WIDER * (self.tries - 1))
-        self._follow(flight, target, self._velocity() if follows else STILL)
+        turn, radius = 2 * pi * (now - self.since) / params.patience, ROUND * self.tries
+        round_it = radius * cos(turn), radius * sin(turn), self._climbed()
+        place = self.begin if place is None else place._replace(z=place.z + params.height)
+        self._follow(flight, place.plus(round_it), self._velocity() if follows else STILL)
         return None
+
+    def _climbed(self) -> float:
+        """How much higher it looks from now, metres."""
+        frame = self.watch.frame
+        climbed = WIDER * self.tries
+        if frame is None:
+            return climbed
+        farthest = self.largest * frame.intrinsics.fx / LEAST_SEEN
+        height: float = self.params.height
+        return max(0.0, min(climbed, farthest - height))
 
     def _lose(self, flight: Flight) -> Outcome | str | None:
         """Climb, and look again; the outcome when that has been often enough."""

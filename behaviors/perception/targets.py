@@ -115,8 +115,8 @@ class MarkerTarget:
     def __init__(self, markers: Sequence[MarkerSpec], posture: Posture) -> None:
         """``markers`` are in each other, the outer one first. Raises ValueError."""
         self._posture: Posture = posture
-        self.smallest = markers[-1].size
-        """Side of the smallest one, metres."""
+        self.largest, self.smallest = markers[0].size, markers[-1].size
+        """Sides of the outer one and of the one inside, metres."""
         dictionaries = [marker.dictionary.removeprefix("DICT_") for marker in markers]
         if len(set(dictionaries)) < len(markers):
             raise ValueError(
