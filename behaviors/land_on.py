@@ -30,10 +30,12 @@ FUNNEL, SLOPE = 0.06, 0.15
 each metre of height."""
 FRESH, BLIND = 0.3, 2.2
 """Seconds without a sight after which it does not descend, and after which it climbs to look."""
+UNSURE = 0.7
+"""Standard deviation of a pad's speed above which it is not waited for but looked for, m/s."""
 FOLLOWED = 4.0
 """Seconds for which it goes on with a pad that it does not see."""
-WIDER = 2.0
-"""Height by which it looks from farther above each time, metres."""
+CLIMB = 1.0
+"""Speed at which it climbs while it looks, for a wider view, m/s."""
 LEAST_SEEN = 14.0
 """Side of the marker in the picture up to which it climbs, pixels."""
 ROUND = 0.6
@@ -81,8 +83,8 @@ class LandOn(Behavior):
 
     It flies over the pad, moves with it, and descends while it is over the middle; the last 30 cm
     it comes down whatever it sees, with the pad's velocity. When it loses the pad it follows for a
-    second, then climbs and looks where the pad should be, from higher each time, and ends in
-    ``lost`` after the tries: in the air, for it never lands anywhere else.
+    moment, then climbs and looks round where the pad should be, and ends in ``lost`` after the
+    tries: in the air, for it never lands anywhere else.
     """
 
     class Params(BehaviorParams):
@@ -91,6 +93,7 @@ class LandOn(Behavior):
         )
         camera: str = param("ventral", names="camera", help="a camera that looks down")
         height: float = param(2.5, unit="m", min=0.5, max=20.0, help="to begin from, above the pad")
+        highest: float = param(8.0, unit="m", min=0.5, max=50.0, help="to look from, above the pad")
         speed: float = param(2.0, unit="m/s", min=0.1, max=10.0, help="with which it nears the pad")
         descent: float = param(0.5, unit="m/s", min=0.1, max=2.0, help="speed down")
         align: float | None = param(None, unit="rad", help="heading, from that of the marker")
@@ -128,6 +131,8 @@ class LandOn(Behavior):
         self.since = seen.time
         self.tries = 0
         self.phase = "looking"
+        self.climbed = 0.0
+        """Height gained while it looks, metres."""
         self.above = params.height
         """Height above the pad that is flown now, metres."""
         self.order: Order | None = None
@@ -166,30 +171,29 @@ class LandOn(Behavior):
             if self.tries >= params.tries:
                 return "lost"
             self.tries, self.since = self.tries + 1, now
-        follows = watch.age(now) < FOLLOWED
         place = watch.position_at(min(now, self._seen_at() + FOLLOWED))
         turn, radius = 2 * pi * (now - self.since) / params.patience, ROUND * self.tries
-        round_it = radius * cos(turn), radius * sin(turn), self._climbed()
+        self.climbed += CLIMB * flight.dt
         place = self.begin if place is None else place._replace(z=place.z + params.height)
-        self._follow(flight, place.plus(round_it), self._velocity() if follows else STILL)
+        aside = radius * cos(turn), radius * sin(turn), self.climbed
+        self._follow(flight, self._below_top(place.plus(aside)), self._velocity(now))
         return None
 
-    def _climbed(self) -> float:
-        """How much higher it looks from now, metres."""
-        frame = self.watch.frame
-        climbed = WIDER * self.tries
-        if frame is None:
-            return climbed
-        farthest = self.largest * frame.intrinsics.fx / LEAST_SEEN
-        height: float = self.params.height
-        return max(0.0, min(climbed, farthest - height))
+    def _below_top(self, place: Point) -> Point:
+        """The place, no higher than it may look from, or than it can see the pad from."""
+        frame, top = self.watch.frame, self.params.highest
+        if frame is not None:
+            top = min(top, self.largest * frame.intrinsics.fx / LEAST_SEEN)
+        pad = self.watch.position_at(self._seen_at())
+        highest = max(top, self.begin.z) if pad is None else pad.z + max(top, self.params.height)
+        return place._replace(z=min(place.z, highest))
 
     def _lose(self, flight: Flight) -> Outcome | str | None:
         """Climb, and look again; the outcome when that has been often enough."""
         if self.tries >= self.params.tries:
             return "lost"
         self.tries, self.since = self.tries + 1, flight.now
-        self.phase = "looking"
+        self.phase, self.climbed = "looking", 0.0
         return self._look(flight)
 
     # Over the pad.
@@ -197,9 +201,9 @@ class LandOn(Behavior):
     def _descend(self, flight: Flight) -> Outcome | str | None:
         """Fly over the middle, and lower while it is there."""
         watch, now, dt = self.watch, flight.now, flight.dt
-        if watch.age(now) > BLIND:
+        if watch.age(now) > (FRESH if self._is_unsure() else BLIND):
             return self._lose(flight)
-        pad, moves = watch.position_at(now), self._velocity()
+        pad, moves = watch.position_at(now), self._velocity(now)
         assert pad is not None
         least, off = self._least(), self._off(flight)
         funnel = FUNNEL + SLOPE * self.above
@@ -238,7 +242,7 @@ class LandOn(Behavior):
         if order is not None and order.ended:
             self.chase = Chase(seen)
             return self._lose(flight)
-        pad, moves = self.watch.position_at(flight.now), self._velocity()
+        pad, moves = self.watch.position_at(flight.now), self._velocity(flight.now)
         assert pad is not None
         x, y = CLOSING * (pad.x - seen.position.x), CLOSING * (pad.y - seen.position.y)
         share = min(1.0, MOST_CLOSING / hypot(x, y)) if x or y else 0.0
@@ -265,9 +269,15 @@ class LandOn(Behavior):
     def _seen_at(self) -> float:
         return self.watch.track.time or 0.0
 
-    def _velocity(self) -> Point:
-        """That of the pad over the ground."""
-        return self.watch.track.velocity._replace(z=0.0)
+    def _velocity(self, now: float) -> Point:
+        """That of the pad over the ground; none once it is not followed any more."""
+        follows = self.watch.age(now) < FOLLOWED
+        return self.watch.track.velocity._replace(z=0.0) if follows else STILL
+
+    def _is_unsure(self) -> bool:
+        """Whether it has been seen for too short a time to tell how fast it is."""
+        track, seen = self.watch.track, self._seen_at()
+        return track.deviation_at(seen + 1.0) - track.deviation_at(seen) > UNSURE
 
     def _off(self, flight: Flight) -> float:
         """The distance from over its middle."""
@@ -281,7 +291,7 @@ class LandOn(Behavior):
 
     def _drift(self, flight: Flight) -> float:
         """The speed over the ground relative to it."""
-        return horizontal_distance(flight.observation.velocity, self._velocity())
+        return horizontal_distance(flight.observation.velocity, self._velocity(flight.now))
 
     def _approach(self, flight: Flight) -> Approaching:
         now = flight.now
@@ -294,7 +304,7 @@ class LandOn(Behavior):
             self._off(flight),
             self._height(flight),
             pad,
-            self._velocity(),
+            self._velocity(now),
             self.tries,
         )
 
