@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from behaviors.channel import Channel, Draw
+from behaviors.channel import PICTURE_NAME, Channel, Draw
 from behaviors.frame import MissionFrame
 from behaviors.setpoints import checked, number
 from fsm.values.intake import kind_of
@@ -20,9 +19,6 @@ from vencejo.geometry import Point
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-PICTURE_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
-"""Names that the files of pictures can have."""
 
 
 class NotInControl(RuntimeError):

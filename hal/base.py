@@ -7,7 +7,7 @@ from math import inf, isfinite
 from types import MappingProxyType
 from typing import Any, Generic, Self, TypeVar
 
-from hal.lights import Lights
+from hal.lights import Lights, Rgb
 from hal.limits import Limits
 from hal.orders import MOTION, Decision, Order, Orders
 from hal.vehicle import (
@@ -56,6 +56,7 @@ class BaseVehicle:
     capabilities: frozenset[str] = frozenset()
     profiles: Mapping[str, Limits] = MappingProxyType({})
     model = ""
+    color: Rgb | None = None
 
     def __init__(self, name: str, decisions: Mapping[str, Decide]) -> None:
         """``decisions``: the function that decides on each verb that the vehicle has."""

@@ -288,6 +288,10 @@ class Vehicle(Protocol):
         """The name of its model; empty where it is not known."""
 
     @property
+    def color(self) -> Rgb | None:
+        """The colour of its hull; None where it is not known."""
+
+    @property
     def capabilities(self) -> frozenset[str]:
         """Words such as ``position``, ``velocity``, ``arm``, ``takeoff``, ``camera.front``."""
 
@@ -447,7 +451,7 @@ class VehicleSpec:
     start: Start | None = None
     """Its place and heading when the run begins, world frame; None for a start of the world."""
     color: Rgb | None = None
-    """The colour of its hull in pictures; None for one that its name decides."""
+    """The colour of its hull; None for its start's, its model's, or one that its name decides."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,7 +51,12 @@ class Charuco:
     """Side of a marker over the side of a square, 0 to 1."""
 
 
-Texture = Image | Fiducial | Charuco
+@dataclass(frozen=True, slots=True)
+class Roundel:
+    """The oriented roundel, filling its plate (worlds.roundel)."""
+
+
+Texture = Image | Fiducial | Charuco | Roundel
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,10 +64,12 @@ HELP: Mapping[str, str] = {
     "roads": "Painted roads.",
     "roof": "The colour of the roof.",
     "roughness": "Roughness length of the ground: the wind grows with height. Grass is 3 cm.",
+    "roundels": "Black discs with a line at the right of where they point, flat.",
     "rows": "Squares along its height.",
     "scale": "What its lengths are multiplied with.",
     "signs": "Boards on a post.",
-    "size": "Metres: one side, or along each of its own axes; of a marker its black square.",
+    "size": "Metres: one side, or along each of its own axes; of a marker its black square, of "
+    "a roundel its disc.",
     "sky": "The colour of the sky.",
     "smooth": "Whether it is a curve through all its points.",
     "speed": "How fast it goes.",

@@ -10,7 +10,7 @@ import pytest
 
 from hal.scene.textures import Bitmap, Mipmap, load_image, mipmap_of, uniform_image
 from vencejo.errors import UserError
-from worlds.things import Charuco, Fiducial, Image
+from worlds.things import Charuco, Fiducial, Image, Roundel
 
 
 def shape(mipmap: Mipmap, step: float) -> tuple[int, ...]:
@@ -161,3 +161,27 @@ def test_a_board_has_its_columns_rows_and_corners() -> None:
     assert ids.reshape(-1).tolist() == [*range(8)]
     assert markers.size == 7
     assert corners.reshape(-1, 2)[0] == pytest.approx((64 + 511.5, 64 + 511.5), abs=2)
+
+
+@pytest.mark.parametrize(
+    ("right", "up", "grey"),
+    [
+        (0.0, 0.0, 255),  # the rectangle in the disc
+        (0.08, 0.23, 255),
+        (0.12, 0.0, 0),  # the disc
+        (0.0, 0.27, 0),
+        (0.0, -0.48, 0),
+        (-0.48, 0.0, 0),
+        (0.52, 0.0, 255),
+        (0.65, 0.58, 0),  # the line
+        (0.75, -0.58, 0),
+        (0.7, 0.62, 255),
+        (0.79, 0.0, 255),
+        (-0.7, 0.0, 255),  # none at the left
+    ],
+)
+def test_a_roundel_in_diameters_of_its_disc(right: float, up: float, grey: int) -> None:
+    pixels = mipmap_of(Roundel()).level(0.0)
+    side = len(pixels)
+    row, column = round(side * (0.5 - up / 1.8)), round(side * (0.5 + right / 1.8))
+    assert pixels[row, column].tolist() == [grey, grey, grey, 255]

@@ -18,7 +18,7 @@ from worlds.markers import DICTIONARIES, plate_side
 from worlds.motion import pose_at
 from worlds.solids import bounds_of, part_pose, solid_parts, top_of
 from worlds.terrain import height_at
-from worlds.things import Charuco, Fiducial, Plate, Thing
+from worlds.things import Charuco, Fiducial, Plate, Roundel, Thing
 
 ROOT = Path(__file__).parents[2]
 
@@ -102,6 +102,18 @@ def test_a_marker_can_face_anywhere(
     _, attitude = part_pose(marker.parts[0], marker.at, marker.attitude)
     assert turned((0, 0, 1), attitude) == pytest.approx(normal, abs=1e-12)
     assert turned((0, 1, 0), attitude) == pytest.approx(up, abs=1e-12)
+
+
+def test_a_roundel_lies_with_its_disc_around_its_place_and_points_where_it_heads() -> None:
+    roundel = only("roundels: {r: {at: [1, 2], size: 30 cm, heading: 90 deg}}")
+    (part,) = roundel.parts
+    assert part.shape == Plate(pytest.approx(0.54), pytest.approx(0.54))
+    assert part.texture == Roundel()
+    at, attitude = part_pose(part, roundel.at, roundel.attitude)
+    assert at == Point(1, 2, 0)
+    assert turned((0, 1, 0), attitude) == pytest.approx((0, 1, 0)), "its upper edge is ahead"
+    assert turned((0, 0, 1), attitude) == pytest.approx((0, 0, 1))
+    assert solid_parts(roundel) == ()
 
 
 def test_a_board_has_the_size_of_its_squares() -> None:
