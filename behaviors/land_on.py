@@ -96,7 +96,7 @@ class LandOn(Behavior):
         highest: float = param(8.0, unit="m", min=0.5, max=50.0, help="to look from, above the pad")
         speed: float = param(2.0, unit="m/s", min=0.1, max=10.0, help="with which it nears the pad")
         descent: float = param(0.5, unit="m/s", min=0.1, max=2.0, help="speed down")
-        align: float | None = param(None, unit="rad", help="heading, from that of the marker")
+        align: float | None = param(None, unit="rad", help="nose, from where its top points")
         patience: float = param(4.0, unit="s", min=0.5, help="for which it looks each time")
         tries: int = param(3, min=0, help="how often it looks again")
         roll_pitch_thr: float | None = param(
@@ -141,7 +141,8 @@ class LandOn(Behavior):
             self.begin, self.tries = Point(*progress["begin"]), progress["tries"]
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        self.watch.look(flight)
+        if self.watch.look(flight):
+            self.watch.show(flight, "land_on", f"{self.phase} {self._height(flight):.2f} m")
         if self.phase == "landing":
             ended = self._come_down(flight)
         elif self.phase == "looking":

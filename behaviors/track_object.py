@@ -44,7 +44,7 @@ class Tracked:
     velocity: Point = STILL
     """m/s."""
     heading: float | None = value("rad", None)
-    """Of a marker that lies, its upper edge north being 0; of one that stands, whereto it faces."""
+    """The direction in which the top of a marker points if it lies, or in which it faces."""
 
 
 class TrackObject(Behavior):
@@ -68,7 +68,9 @@ class TrackObject(Behavior):
             None, unit="m", help="above it; without it, 3 m above, or before it the present height"
         )
         align: float | None = live(
-            None, unit="rad", help="stays that far left of a marker's face, or turns to its heading"
+            None,
+            unit="rad",
+            help="side of a marker to stay on, from its face; above: nose from its top",
         )
         second: Any = param(
             None, help="a second marker, to which the nose is turned above the first"
@@ -110,7 +112,9 @@ class TrackObject(Behavior):
 
     def step(self, flight: Flight) -> Outcome | str | None:
         watch, now = self.watch, flight.now
-        watch.look(flight)
+        if watch.look(flight):
+            far = distance(flight.observation.position, watch.track.position_at(now))
+            watch.show(flight, "track_object", f"{far:.2f} m" if watch.track.is_known else "")
         if self.second is not None:
             self.second.look(flight)
         self.waited = 0.0 if watch.is_visible(now) else self.waited + flight.dt
