@@ -46,6 +46,8 @@ MOST_CLOSING = 0.5
 """Largest such speed, m/s."""
 TURN_RATE = 1.0
 """Turn rate when it is aligned with the pad, rad/s."""
+_NEAR = 0.3
+"""Height below that of the beginning at which it has come back up, metres."""
 ON_PAD = 0.2
 """Largest difference in height to the pad of a vehicle that stands on it, metres."""
 
@@ -163,16 +165,18 @@ class LandOn(Behavior):
 
     def _look(self, flight: Flight) -> Outcome | str | None:
         """Wait over where the pad should be until it is seen."""
-        params, now, watch = self.params, flight.now, self.watch
-        if watch.is_visible(now):
+        params, now = self.params, flight.now
+        given_up = self.tries > params.tries
+        if self.watch.is_visible(now) and not given_up:
             self.phase = "approaching"
             self.above = min(params.height, max(self._height(flight), self._least()))
             return self._descend(flight)
-        if now - self.since >= params.patience:
+        safe = given_up and self._height(flight) > params.height - _NEAR
+        if safe or now - self.since >= params.patience:
             if self.tries >= params.tries:
                 return "lost"
             self.tries, self.since = self.tries + 1, now
-        place = watch.position_at(min(now, self._seen_at() + FOLLOWED))
+        place = self._pad(now)
         turn, radius = 2 * pi * (now - self.since) / params.patience, ROUND * self.tries
         self.climbed += CLIMB * flight.dt
         place = self.begin if place is None else place._replace(z=place.z + params.height)
@@ -185,14 +189,12 @@ class LandOn(Behavior):
         frame, top = self.watch.frame, self.params.highest
         if frame is not None:
             top = min(top, self.largest * frame.intrinsics.fx / LEAST_SEEN)
-        pad = self.watch.position_at(self._seen_at())
+        pad = self._pad(self._seen_at())
         highest = max(top, self.begin.z) if pad is None else pad.z + max(top, self.params.height)
         return place._replace(z=min(place.z, highest))
 
     def _lose(self, flight: Flight) -> Outcome | str | None:
-        """Climb, and look again; the outcome when that has been often enough."""
-        if self.tries >= self.params.tries:
-            return "lost"
+        """Climb, and look again; or only climb, when that has been often enough."""
         self.tries, self.since = self.tries + 1, flight.now
         self.phase, self.climbed = "looking", 0.0
         return self._look(flight)
@@ -204,7 +206,7 @@ class LandOn(Behavior):
         watch, now, dt = self.watch, flight.now, flight.dt
         if watch.age(now) > (FRESH if self._is_unsure() else BLIND):
             return self._lose(flight)
-        pad, moves = watch.position_at(now), self._velocity(now)
+        pad, moves = self._pad(now), self._velocity(now)
         assert pad is not None
         least, off = self._least(), self._off(flight)
         funnel = FUNNEL + SLOPE * self.above
@@ -243,7 +245,7 @@ class LandOn(Behavior):
         if order is not None and order.ended:
             self.chase = Chase(seen)
             return self._lose(flight)
-        pad, moves = self.watch.position_at(flight.now), self._velocity(flight.now)
+        pad, moves = self._pad(flight.now), self._velocity(flight.now)
         assert pad is not None
         x, y = CLOSING * (pad.x - seen.position.x), CLOSING * (pad.y - seen.position.y)
         share = min(1.0, MOST_CLOSING / hypot(x, y)) if x or y else 0.0
@@ -267,6 +269,14 @@ class LandOn(Behavior):
         view = min(lens.width / lens.fx, lens.height / lens.fy)
         return max(COMMIT, IN_VIEW * self.smallest / view)
 
+    def _pad(self, now: float) -> Point | None:
+        """The place of its middle, as far as it is followed; its height is that seen last."""
+        track, seen = self.watch.track, self._seen_at()
+        if not track.is_known:
+            return None
+        ahead = track.position_at(min(now, seen + FOLLOWED))
+        return ahead._replace(z=track.position_at(seen).z)
+
     def _seen_at(self) -> float:
         return self.watch.track.time or 0.0
 
@@ -282,12 +292,12 @@ class LandOn(Behavior):
 
     def _off(self, flight: Flight) -> float:
         """The distance from over its middle."""
-        pad = self.watch.position_at(flight.now)
+        pad = self._pad(flight.now)
         return horizontal_distance(flight.observation.position, pad) if pad else 0.0
 
     def _height(self, flight: Flight) -> float:
         """The height above it."""
-        pad = self.watch.position_at(flight.now)
+        pad = self._pad(flight.now)
         return flight.observation.position.z - pad.z if pad else 0.0
 
     def _drift(self, flight: Flight) -> float:
@@ -296,7 +306,7 @@ class LandOn(Behavior):
 
     def _approach(self, flight: Flight) -> Approaching:
         now = flight.now
-        pad = self.watch.position_at(now)
+        pad = self._pad(now)
         if pad is None:
             return Approaching(tries=self.tries)
         return Approaching(
