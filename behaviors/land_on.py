@@ -34,7 +34,7 @@ UNSURE = 0.7
 """Standard deviation of a pad's speed above which it is not waited for but looked for, m/s."""
 FOLLOWED = 4.0
 """Seconds for which it goes on with a pad that it does not see."""
-CLIMB = 1.0
+CLIMB = 2.0
 """Speed at which it climbs while it looks, for a wider view, m/s."""
 LEAST_SEEN = 14.0
 """Side of the marker in the picture up to which it climbs, pixels."""
