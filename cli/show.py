@@ -158,7 +158,7 @@ def _drawn(
         click.echo(str(fault), err=True)
     alone = isinstance(prepared, Prepared)
     vehicles = [
-        Planned("" if alone else member, flown[member].prepared.graph, each)
+        Planned("" if alone else member, flown[member].prepared.graph, each, flown[member].color)
         for member, each in plans.items()
     ]
     return draw_plan(f"{name} in {world.name}", world, vehicles)

@@ -12,6 +12,7 @@ from cli.plot.axes import LABEL, Axes, axes_from_above
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
 from cli.plot.flight import COLORS
 from cli.plot.ground import DARK, draw_fence, draw_world, mark_start
+from cli.vehicle_colors import vehicle_colors
 from fsm import Graph
 from fsm.chart.graph import Node
 from runner.geometry import MissionPlan
@@ -44,6 +45,8 @@ class Planned:
     """Empty for a vehicle that flies alone."""
     graph: Graph
     plan: MissionPlan
+    hull: Color | None = None
+    """Its colour; None where that is not known."""
 
 
 @dataclass(frozen=True)
@@ -114,12 +117,13 @@ def _entries(vehicles: Sequence[Planned]) -> Iterator[_Entry]:
     Colours tell the states of one vehicle apart, or several vehicles.
     """
     number = 0
-    for vehicle, each in enumerate(vehicles):
+    hulls = vehicle_colors({each.name: each.hull for each in vehicles}, COLORS)
+    for each in vehicles:
         paths = each.plan.paths
         legs = _by_node((leg.node, leg) for leg in paths.legs)
         shapes = _by_node((shape.node, shape) for shape in paths.shapes)
         for node in sorted({*legs, *shapes}, key=lambda node: node.index):
-            color = COLORS[(vehicle if each.name else number) % len(COLORS)]
+            color = hulls[each.name] if each.name else COLORS[number % len(COLORS)]
             number += 1
             own = sorted(_distinct(legs.get(node, ())), key=lambda leg: not leg.sure)
             assert node.invocation is not None
