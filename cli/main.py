@@ -30,6 +30,7 @@ COMMANDS = {
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),
     "video": ("cli.video:video", "Make videos of what was seen in a run."),
+    "tune": ("cli.tune:tune", "Find values for behaviours from a picture: the range of a colour."),
     "doctor": ("cli.doctor:doctor", "Tell what is installed, what works here, what is missing."),
     "completion": ("cli.completion:completion", "Print shell completion to source."),
 }
