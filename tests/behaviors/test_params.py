@@ -164,7 +164,16 @@ def test_all_shipped_behaviours_say_what_they_are_for() -> None:
     catalog = Registry()
     names = [
         *("follow_path", "goto", "hover", "land", "move", "orbit", "photo", "reset"),
-        *("return_home", "route", "search_spiral", "survey", "sweep", "sweep_detect", "takeoff", "trim"),
+        *(
+            "return_home",
+            "route",
+            "search_spiral",
+            "survey",
+            "sweep",
+            "sweep_detect",
+            "takeoff",
+            "trim",
+        ),
     ]
     assert list(catalog) == names
     assert len(catalog) == 14
