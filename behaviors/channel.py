@@ -8,6 +8,7 @@ own :class:`behaviors.flight.Flight`.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable
 from random import Random
 from typing import TYPE_CHECKING, NamedTuple
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+PICTURE_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+"""Names that files of pictures can have."""
 Draw = Callable[[], "NDArray[np.uint8]"]
 """Draws a picture: BGR, (height, width, 3)."""
 

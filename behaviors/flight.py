@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from behaviors.channel import Channel, Draw
+from behaviors.channel import PICTURE_NAME, Channel, Draw
 from behaviors.frame import MissionFrame
 from behaviors.setpoints import checked, number
 from fsm.values.intake import kind_of
@@ -15,13 +14,11 @@ from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import Order
 from hal.vehicle import Camera, Frame, Observation, Sensor, Setpoint
+from vencejo.geometry import Point
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-PICTURE_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
-"""Names that the files of pictures can have."""
 
 
 class NotInControl(RuntimeError):
@@ -160,10 +157,14 @@ class Flight:
         self._need("motion")
         return self._manoeuvre(self._channel.vehicle.takeoff(number("altitude", altitude)))
 
-    def land(self) -> Order:
-        """Descend here and stop the motors. Raises NotInControl."""
+    def land(self, moving: Point | None = None) -> Order:
+        """Descend here and stop the motors, ``moving`` over the ground at a velocity (m/s) that may
+        be given anew (see hal.Vehicle).
+
+        Raises NotInControl, ValueError for what is not finite, and hal's Unavailable.
+        """
         self._need("motion")
-        return self._manoeuvre(self._channel.vehicle.land())
+        return self._manoeuvre(self._channel.vehicle.land(moving))
 
     def return_home(self) -> Order:
         """Fly home by the vehicle's own means and land there. Raises NotInControl."""

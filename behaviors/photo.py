@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
-from behaviors.flight import PICTURE_NAME, Flight
+from behaviors.channel import PICTURE_NAME
+from behaviors.flight import Flight
 from behaviors.guidance import STILL, Reference, yaw_towards
 from behaviors.manoeuvre import EPSILON
 from behaviors.params import BehaviorParams, Heading, param

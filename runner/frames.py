@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -97,6 +97,11 @@ class PictureFiles:
         """Number and time of the last picture, by vehicle and name."""
         self._unwritten: list[tuple[str, str, int, float, NDArray[np.uint8]]] = []
         """Vehicle, name, number, time and image of every picture drawn but not yet written."""
+
+    @property
+    def names(self) -> Sequence[tuple[str, str]]:
+        """Vehicle and name of the pictures that were drawn, in the order of the first ones."""
+        return tuple(self._drawn)
 
     def offer(self, vehicle: str, name: str, time: float, draw: Draw) -> None:
         """Draw the picture of that time, to be written later, if it is due."""

@@ -27,6 +27,7 @@ from runner.run_folder import (
     Summary,
     entry_fields,
     header_fields,
+    picture_folder,
     summary_fields,
     telemetry_files,
 )
@@ -137,6 +138,13 @@ class Recorder:
 
     def _keep_picture(self, pilot: Pilot, name: str, draw: Draw) -> None:
         self._pictures.offer(pilot.vehicle.name, name, pilot.channel.now, draw)
+
+    @property
+    def picture_folders(self) -> Sequence[Path]:
+        """Where annotated pictures are, a folder of each vehicle and name, in the order in which
+        they came.
+        """
+        return [self.folder / picture_folder(*name) for name in self._pictures.names]
 
     def _keep_photo(self, vehicle: str, name: str, camera: str, frame: Frame) -> None:
         self._unwritten_photos.append((vehicle, name, frame))

@@ -18,11 +18,12 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
+from hal.lights import Rgb
 from hal.vehicle import Frame, Intrinsics, Reading
 from runner.by_vehicle import are_alone, joined, vehicles_of
 from runner.course import Entered
 from runner.separation import Nearest
-from runner.settings import RunSettings, settings_fields, settings_of
+from runner.settings import RunSettings, rgb, settings_fields, settings_of
 from runner.telemetry import COLUMNS, KNOWN_COLUMNS, Sample, sample_of
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point, Quaternion
@@ -61,6 +62,8 @@ class MissionFacts:
     """SHA-256 of the files that the mission includes and uses, by path from its folder."""
     model: str = ""
     """The name of the vehicle's model; empty where it is not known."""
+    color: Rgb | None = None
+    """The colour of the vehicle's hull; None where it is not known, or the vehicle is alone."""
 
 
 @dataclass(frozen=True)
@@ -247,6 +250,7 @@ def header_fields(header: Header) -> dict[str, Any]:
             **({"files_sha256": dict(mission.files)} if mission.files else {}),
             "parameters": dict(mission.parameters),
             **_model_fields(mission),
+            **({"color": list(mission.color)} if mission.color else {}),
         }
         for vehicle, mission in header.missions.items()
     }
@@ -326,9 +330,14 @@ def pictures_header() -> dict[str, Any]:
     return {"format": PICTURES_FORMAT, "version": PICTURES_VERSION}
 
 
+def picture_folder(vehicle: str, name: str) -> str:
+    """The path of the annotated pictures of a name, from the run folder."""
+    return f"pictures/{vehicle}/{name}"
+
+
 def picture_file(vehicle: str, name: str, number: int) -> str:
     """The path of the n-th annotated picture of a name, from the run folder."""
-    return f"pictures/{vehicle}/{name}/{number:06d}.jpg"
+    return f"{picture_folder(vehicle, name)}/{number:06d}.jpg"
 
 
 def picture_fields(vehicle: str, name: str, number: int, time: float) -> dict[str, Any]:
@@ -535,6 +544,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
                 parameters=mission["parameters"],
                 files=mission.get("files_sha256", {}),
                 model=mission.get("model", ""),
+                color=rgb(mission.get("color")),
             )
             for vehicle, mission in vehicles_of(fields).items()
         },

@@ -16,6 +16,7 @@ from typing import NamedTuple, TypeVar
 from cli.plot.axes import FRAME, LABEL, Axes, axes_from_above, axes_over
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
 from cli.plot.lanes import Lane, lanes_of, states_of
+from cli.vehicle_colors import vehicle_colors
 from hal import PERIOD, Position, Velocity
 from runner.run_folder import PICTURE, Flown, Run, read_run
 from runner.telemetry import Sample
@@ -118,8 +119,13 @@ def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
     """The picture as PNG."""
     # What is told apart by colour: the states of one vehicle, or the vehicles.
     alone = len(flights) == 1
-    told = states_of(flights[0].lanes) if alone else [flight.vehicle for flight in flights]
-    colors = {name: _COLORS[number % len(_COLORS)] for number, name in enumerate(told)}
+    if alone:
+        told = states_of(flights[0].lanes)
+        colors = {name: _COLORS[number % len(_COLORS)] for number, name in enumerate(told)}
+    else:
+        told = [flight.vehicle for flight in flights]
+        hulls = {vehicle: run.header.missions[vehicle].color for vehicle in told}
+        colors = vehicle_colors(hulls, _COLORS)
     lanes = [lane for flight in flights for lane in flight.lanes]
     lanes_end = _LANES + _LANE * len(lanes)
     has_setpoints = any(sample.setpoint for flight in flights for sample in flight.samples)
