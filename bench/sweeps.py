@@ -22,6 +22,7 @@ import json
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from math import ceil, cos, dist, hypot, pi, sin
@@ -256,7 +257,8 @@ class _Watch:
 
     def _frame(self, camera: str, frame: Frame) -> None:
         if not self.frames or frame.sequence != self.frames[-1].sequence:
-            self.frames.append(frame)
+            # Without the picture, which would fill the memory.
+            self.frames.append(replace(frame, image=frame.image[:0].copy()))
 
 
 def flown(seed: int, noise: float, physics: str) -> dict[str, Any]:
