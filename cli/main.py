@@ -29,6 +29,7 @@ COMMANDS = {
     "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),
+    "video": ("cli.video:video", "Make videos of what was seen in a run."),
     "doctor": ("cli.doctor:doctor", "Tell what is installed, what works here, what is missing."),
     "completion": ("cli.completion:completion", "Print shell completion to source."),
 }

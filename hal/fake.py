@@ -73,7 +73,17 @@ class FakeVehicle(BaseVehicle):
         self.shown: list[Lights] = []
         """All patterns that its lamps were ordered to show."""
         self.capabilities = frozenset(
-            {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+            {
+                "position",
+                "velocity",
+                "attitude",
+                "yaw",
+                "arm",
+                "disarm",
+                "takeoff",
+                "land",
+                "land.moving",
+            }
             | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
             | {"battery", "battery.swap"}
         )
@@ -104,8 +114,14 @@ class FakeVehicle(BaseVehicle):
         """The cameras that it has, by name; name ``camera.<name>`` among the capabilities too."""
         self.refuse_next: str | None = None
         """Reason for which the next verb, and only that one, is refused."""
-        self._limits: dict[str, float] = {"max_speed": 5.0, "max_climb": 2.0, "max_yaw_rate": 1.75}
-        self._limits |= {"max_tilt": 0.35, "max_altitude": inf, "min_altitude": -inf}
+        self._limits: dict[str, float] = {
+            "max_speed": 5.0,
+            "max_climb": 2.0,
+            "max_yaw_rate": 1.75,
+            "max_tilt": 0.35,
+            "max_altitude": inf,
+            "min_altitude": -inf,
+        }
         """By the names they have in :class:`hal.limits.Limits`."""
         self._ground = 0.0
         """Its height, world frame, metres."""
@@ -184,7 +200,7 @@ class FakeVehicle(BaseVehicle):
         self._mode = "taking-off"
         return UNDER_WAY
 
-    def _decide_land(self) -> Decision:
+    def _decide_land(self, *_moving: Point) -> Decision:
         if self._mode == "landed":
             self._armed = False
             return DONE
@@ -321,7 +337,9 @@ class FakeVehicle(BaseVehicle):
             case "stopped":
                 return self.position.plus((0.0, 0.0, -_FALL * step))
             case "landing":
-                return self._towards(self.position._replace(z=self._ground), step)
+                x, y, _ = self.landing_with or _STILL
+                below = self._towards(self.position._replace(z=self._ground), step)
+                return below.plus((x * step, y * step, 0.0))
             case "taking-off" | "returning":
                 return self._towards(self._target, step)
         return self._flown(step)

@@ -323,8 +323,12 @@ class Vehicle(Protocol):
         Done when the altitude is reached. Refused while landing is forced or the battery is empty.
         """
 
-    def land(self) -> Order:
+    def land(self, moving: Point | None = None) -> Order:
         """Descend here and disarm; done when it stands with the motors off.
+
+        ``moving`` is the velocity over the ground, world frame, m/s, to come down with, until it is
+        asked for anew with another one or none: that of a thing that moves, so that the vehicle
+        does not slide there. Needs the capability ``land.moving``, and raises Unavailable without.
 
         A vehicle that finds that it does not stand where it came down flies again and holds. The
         order is then refused, and ``vehicle.unstable`` is among the events of that period.

@@ -17,7 +17,7 @@ from fsm import Graph
 from fsm.chart.executable import Action
 from fsm.chart.graph import Node
 from fsm.checks.regions import actions_of
-from fsm.values.types import AREA, POINT, ROUTE
+from fsm.values.types import AREA, AREAS, POINT, ROUTE
 from hal import FlightModel, Limits
 from runner.planned_motion import Setting
 from runner.planned_paths import PossibleLeg, possible_paths
@@ -368,6 +368,6 @@ def _place_of(node: Node) -> Where:
     assert invocation is not None
     for name, parameter in invocation.behavior.parameters.items():
         given = invocation.live.get(name) or invocation.with_.get(name)
-        if given is not None and parameter.type in (POINT, ROUTE, AREA):
+        if given is not None and parameter.type in (POINT, ROUTE, AREA, AREAS):
             return given.where
     return node.where

@@ -18,7 +18,7 @@ import numpy as np
 from behaviors.perception.blobs import Blob, blobs, touches_edge
 from behaviors.perception.color import ColorRange, mask
 from behaviors.perception.projection import directions
-from hal.scene.arrays import Float64s
+from hal.scene.arrays import Float64s, Pixels
 from hal.vehicle import Frame
 from vencejo.geometry import Point
 
@@ -158,7 +158,7 @@ def _share(colored: Pixels, angle: float) -> float:
     low = filled & (drop > bar + _HULL_DROP * (float(drop[filled].max()) - bar))
     halves = low[width // 2 :], low[: (width + 1) // 2][::-1]
     runs = (int(np.argmin(half)) if not half.all() else len(half) for half in halves)
-    return min(1.0, 2 * min(runs) / width)
+    return float(min(1.0, 2 * min(runs) / width))
 
 
 def _range(share: float, half: float, size: float) -> tuple[float, float]:

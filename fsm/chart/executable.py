@@ -157,13 +157,10 @@ class Invocation:
     def required(self) -> set[str]:
         """The capabilities that the behaviour needs, with the values that it is given."""
         given = (*self.with_.values(), *self.live.values())
-        named = {
-            f"{parameter.names}.{self.with_[name].value()}"
-            for name, parameter in self.behavior.parameters.items()
-            if parameter.names and name in self.with_ and self.with_[name].constant
-        }
+        # What is only known in flight is None here.
+        known = {name: c.value() if c.constant else None for name, c in self.with_.items()}
         asked = {need for value in given for need in value.needs}
-        return {*self.behavior.requires, *asked, *named}
+        return {*self.behavior.requires, *asked, *self.behavior.named(known)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -44,6 +44,7 @@ EVERY_COMMAND = {
     "guide": 0,
     "new mine": 0,
     "picture flown": 0,
+    "video flown": 2,
     "doctor": 0,
     "doctor --json": 0,
     "completion bash": 0,
