@@ -159,9 +159,9 @@ class Pilot:
     def _activate_camera(self, behavior: BehaviorInfo, given: Mapping[str, Any]) -> None:
         """Make the camera that a behaviour needs the active one, where only one is."""
         named = (
-            f"{parameter.names}.{given[name]}"
+            f"{parameter.names}.{given.get(name, parameter.default)}"
             for name, parameter in behavior.parameters.items()
-            if parameter.names and name in given
+            if parameter.names
         )
         for word in (*behavior.requires, *named):
             kind, _, name = word.partition(".")

@@ -158,12 +158,19 @@ class Invocation:
         """The capabilities that the behaviour needs, with the values that it is given."""
         given = (*self.with_.values(), *self.live.values())
         named = {
-            f"{parameter.names}.{self.with_[name].value()}"
+            f"{parameter.names}.{word}"
             for name, parameter in self.behavior.parameters.items()
-            if parameter.names and name in self.with_ and self.with_[name].constant
+            if parameter.names and (word := self._known(name, parameter.default)) is not None
         }
         asked = {need for value in given for need in value.needs}
         return {*self.behavior.requires, *asked, *named}
+
+    def _known(self, name: str, default: Any) -> Any:
+        """The value of a parameter, as far as it is known before the flight; None if it is not."""
+        given = self.with_.get(name)
+        if given is None:
+            return default
+        return given.value() if given.constant else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
