@@ -126,9 +126,7 @@ class HoverOver(Behavior):
         place = None if tag is None else tag.position_at(flight.now)
         if tag is None or place is None or not visible:
             last = self.over
-            return Over(
-                False, last.id, last.offset, last.angle, False, last.position, last.heading
-            )
+            return Over(False, last.id, last.offset, last.angle, False, last.position, last.heading)
         offset = horizontal_distance(seen.position, place)
         heading = tag.tag.heading
         angle = wrap(heading - seen.yaw) if params.align and heading is not None else 0.0

@@ -2,10 +2,10 @@
 
     python -m bench.followers [--json] [--seeds N]
 
-Each law flies the mission `tag_follower` or `tag_follower_braking` before a marker of 25 cm that goes
-round at a constant speed, with command noise (`--noise 1`). The error is how far the front camera is
-from where it should be before the marker, over 40 s from the tenth second on; what is lost counts
-with where it waits then. Truth is the simulator's.
+Each law flies the mission `tag_follower` or `tag_follower_braking` before a marker of 25 cm that
+goes round at a constant speed, with command noise (`--noise 1`). The error is how far the front
+camera is from where it should be before the marker, over 40 s from the tenth second on; what is
+lost counts with where it waits then. Truth is the simulator's.
 """
 
 from __future__ import annotations

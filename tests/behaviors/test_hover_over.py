@@ -123,9 +123,7 @@ def test_interrupted_it_goes_on_at_its_height() -> None:
     over = Above()
     over.run(3)
     progress = over.solo.activity.progress()
-    again = Solo(
-        "hover_over", progress=progress, vehicle=(over.solo.session, over.vehicle)
-    )
+    again = Solo("hover_over", progress=progress, vehicle=(over.solo.session, over.vehicle))
     over.vehicle.position = over.vehicle.position._replace(z=1.1)
     again.run(3)
     assert distance(over.vehicle.position, (0.3, 0.2, 1.2)) < 0.02
