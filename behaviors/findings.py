@@ -58,7 +58,9 @@ class Thing:
     """Time of the last frame that shows it, seconds."""
     told_far: bool = False
     passing: bool = False
-    """Whether it has been seen since it was told last, or since it was found."""
+    """Whether it has been seen since it was passed."""
+    is_known: bool = False
+    """Whether it was found, and passed since."""
     picture: str = ""
     frame: Frame | None = field(default=None, repr=False)
     """The best frame of one that is not found yet."""
@@ -110,8 +112,10 @@ class Findings:
         the vehicle is within ``radius`` of them over the ground, metres; only those at ``wanted``
         places count.
         """
-        self._near, self._radius, self._wanted = near, radius, wanted
+        self._near, self.radius, self._wanted = near, radius, wanted
         self.things: list[Thing] = []
+        self.in_view: list[Thing] = []
+        """Those seen in the last frame."""
 
     @property
     def found(self) -> list[Thing]:
@@ -124,7 +128,7 @@ class Findings:
             for sighting in sightings
             if (place := _placed(frame, sighting, ground)) and self._wanted(place)
         ]
-        seen = self._assigned(placed, frame)
+        seen = self.in_view = self._assigned(placed, frame)
         self._look(frame, ground(*frame.position[:2]), seen)
         return [
             *(news for thing in seen if (news := self._status(thing, frame))),
@@ -169,7 +173,7 @@ class Findings:
         """What is to be told of a thing that is in a frame."""
         if thing.is_found or not thing.is_certain:
             return None
-        if horizontal_distance(frame.position, thing.position) <= self._radius:
+        if horizontal_distance(frame.position, thing.position) <= self.radius:
             return self._find(thing)
         if thing.told_far:
             return None
@@ -187,8 +191,7 @@ class Findings:
         """Those found things that are out of sight again, with a better position."""
         for thing in self.things:
             if thing.is_found and thing.passing and now - thing.seen_at >= _GONE:
-                thing.passing = False
-                yield News(thing, "known")
+                yield _over(thing)
 
     def finish(self) -> list[News]:
         """The end: what was only seen from afar counts too, and all that was not told is."""
@@ -197,8 +200,7 @@ class Findings:
             if not thing.is_found and thing.is_certain:
                 news.append(self._find(thing))
             elif thing.is_found and thing.passing:
-                thing.passing = False
-                news.append(News(thing, "known"))
+                news.append(_over(thing))
         return news
 
     def progress(self) -> list[dict[str, Any]]:
@@ -211,6 +213,12 @@ class Findings:
     def resume(self, progress: Iterable[Mapping[str, Any]]) -> None:
         """Go on from the progress of others."""
         self.things = [Thing(**thing) for thing in progress]
+
+
+def _over(thing: Thing) -> News:
+    """A found thing is passed."""
+    thing.passing, thing.is_known = False, True
+    return News(thing, "known")
 
 
 def _placed(frame: Frame, sighting: Sighting, ground: Ground) -> Point | None:
