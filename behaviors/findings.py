@@ -56,6 +56,8 @@ class Thing:
     """Of the ground below it, metres."""
     seen_at: float = 0.0
     """Time of the last frame that shows it, seconds."""
+    pixel: tuple[float, float] = (0.0, 0.0)
+    """Where it is in that frame."""
     told_far: bool = False
     passing: bool = False
     """Whether it has been seen since it was passed."""
@@ -81,8 +83,8 @@ class Thing:
         """Whether it was seen often, and seldom not seen where it should have been."""
         return self.views >= _CONFIRMED and self.hits >= _SHARE * self.looks
 
-    def view(self, place: Point, frame: Frame) -> None:
-        """Take a view of it, at a place on the ground."""
+    def view(self, place: Point, pixel: tuple[float, float], frame: Frame) -> None:
+        """Take a view of it: a place on the ground, and the pixel where it is seen."""
         aside = horizontal_distance(frame.position, place)
         slope = aside / max(0.1, frame.position.z - place.z)
         weight = 1 / (_SIGMA**2 + (_HEIGHT_SIGMA * slope) ** 2)
@@ -91,7 +93,7 @@ class Thing:
         self.sum_x += weight * place.x
         self.sum_y += weight * place.y
         self.z = place.z
-        self.seen_at, self.passing = frame.time, True
+        self.seen_at, self.pixel, self.passing = frame.time, pixel, True
         if not self.is_found and (self.frame is None or aside < self.nearest):
             self.frame, self.nearest = frame, aside
 
@@ -155,7 +157,8 @@ class Findings:
             taken[len(self.things)] = k
             self.things.append(Thing(placed[k][1].kind, placed[k][1].id))
         for number, k in taken.items():
-            self.things[number].view(placed[k][0], frame)
+            place, sighting = placed[k]
+            self.things[number].view(place, sighting.pixel, frame)
         return [self.things[number] for number in taken]
 
     def _look(self, frame: Frame, ground: float, seen: list[Thing]) -> None:

@@ -18,7 +18,7 @@ from behaviors.lane_flight import LaneFlight, LaneStyle, along_lanes, lane_place
 from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, path, text_line
-from behaviors.perception.projection import pixels_of, tilt_of
+from behaviors.perception.projection import tilt_of
 from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
@@ -245,12 +245,10 @@ def _drawn(frame: Frame, ground: float, findings: Findings) -> Pixels:
     turns = [2 * pi * k / _RING for k in range(_RING + 1)]
     ring = [below.plus((findings.radius * cos(a), findings.radius * sin(a), 0.0)) for a in turns]
     picture = path(frame.image, frame, ring, WHITE)
-    things = findings.in_view
-    pixels = pixels_of(frame, [thing.position for thing in things]) if things else ()
-    for thing, pixel in zip(things, pixels, strict=True):
+    for thing in findings.in_view:
         is_new = thing.is_found and not thing.is_known
         color = GREEN if is_new else BLUE
-        picture = circle(picture, pixel, _MARK, color, thing.name or thing.kind)
+        picture = circle(picture, thing.pixel, _MARK, color, thing.name or thing.kind)
     return text_line(picture, f"{len(findings.found)} found")
 
 
