@@ -202,6 +202,7 @@ class Findings:
         for thing in self.things:
             if not thing.is_found and thing.is_certain:
                 news.append(self._find(thing))
+                thing.passing = False
             elif thing.is_found and thing.passing:
                 news.append(_over(thing))
         return news

@@ -1,4 +1,4 @@
-"""Lanes over areas of all shapes: all of it is seen, nothing else is flown over, the way is short."""
+"""Lanes over areas of all shapes: all is seen, nothing else is flown over, the way is short."""
 
 from __future__ import annotations
 
@@ -106,7 +106,10 @@ def _to_and_fro(corners: list[XY], across: float, ahead: float, axis: float) -> 
     for k in range(count):
         y = low + (k + 0.5) * (high - low) / count
         begin, _, end, _ = area.intersection(LineString([(west, y), (east, y)])).bounds
-        line = [(min(begin + ahead, (begin + end) / 2), y), (max(end - ahead, (begin + end) / 2), y)]
+        line = [
+            (min(begin + ahead, (begin + end) / 2), y),
+            (max(end - ahead, (begin + end) / 2), y),
+        ]
         ends += line if k % 2 == 0 else line[::-1]
     return sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(ends))
 
@@ -123,9 +126,7 @@ def fields(draw: st.DrawFn) -> tuple[list[XY], list[list[XY]]]:
     outer, holes = Polygon(corners), list[list[XY]]()
     for x, y, size, count in draw(
         st.lists(
-            st.tuples(
-                st.floats(-12, 12), st.floats(-12, 12), st.floats(1, 4), st.integers(3, 6)
-            ),
+            st.tuples(st.floats(-12, 12), st.floats(-12, 12), st.floats(1, 4), st.integers(3, 6)),
             max_size=3,
         )
     ):

@@ -18,8 +18,8 @@ FIELD = [Point(0, 0, 0), Point(12, 0, 0), Point(12, 6, 0), Point(0, 6, 0)]
 PLACES = [Point(*p, 3.0) for p in [(1, 1), (11, 1), (11, 3), (1, 3), (1, 5), (11, 5)]]
 
 
-def plan_of(values: dict[str, Any], position: Point = Point(0, 0, 3)) -> list[Any]:
-    start = PlanStart(position, 0.0, True, 0.0, 5.0)
+def plan_of(values: dict[str, Any]) -> list[Any]:
+    start = PlanStart(Point(0, 0, 3), 0.0, True, 0.0, 5.0)
     given = {name: parameter.default for name, parameter in INFO.parameters.items()}
     legs = Sweep.plan(Sweep.Params(**{**given, **values}), start)
     assert legs is not None
