@@ -103,6 +103,8 @@ class TagFinder:
         self._detector = None if wanted == [] else FiducialDetector(dictionary, wanted)
         self._finds_roundels = roundels
         self._size = size
+        self.rejected: tuple[Float64s, ...] = ()
+        """Corners (4, 2) of squares in the last frame that are no marker looked for, pixels."""
 
     def find(self, frame: Frame, ground: float = 0.0) -> list[Tag]:
         """The tags in a frame; ``ground`` is the height of the ground below, metres."""
@@ -113,7 +115,9 @@ class TagFinder:
 
     def _seen(self, frame: Frame) -> Iterator[tuple[str, int, Float64s, tuple[float, float]]]:
         if self._detector is not None:
-            for marker in self._detector.detect(frame.image).found:
+            detected = self._detector.detect(frame.image)
+            self.rejected = detected.rejected
+            for marker in detected.found:
                 yield self._dictionary, marker.id, marker.corners, marker.centre
         if self._finds_roundels:
             for seen in roundels(frame.image):
