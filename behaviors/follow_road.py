@@ -195,7 +195,8 @@ class FollowRoad(Behavior):
         joined = line.nodes[line.nodes.index(nearest) + 1 :] or line.nodes[-1:]
         reference = LineReference(place)
         heading = joined[0].heading
-        reference.go_on([Node(place.x, place.y, heading, 0.0), *joined])
+        is_end = line.ending == "end"
+        reference.go_on([Node(place.x, place.y, heading, 0.0), *joined], is_end)
         self.line, self.ending, self.phase = reference, line.ending, "follow"
         self.since_end = 0.0
 
@@ -225,7 +226,7 @@ class FollowRoad(Behavior):
         traced: CentreLine = self.sight.trace(line.settled)
         self.ending = traced.ending
         if traced.ending != "none":
-            line.go_on(traced.nodes)
+            line.go_on(traced.nodes, traced.ending == "end")
             self.road = line.nearest(self.here.x, self.here.y)
 
     def _search(self, line: LineReference) -> None:
