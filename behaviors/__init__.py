@@ -3,6 +3,7 @@
 from behaviors.action import action
 from behaviors.behavior import Behavior, describe
 from behaviors.calls import Calls, CodeFailed, TookTooLong
+from behaviors.detector import Sighting, detector
 from behaviors.exchange import Exchange
 from behaviors.flight import Flight, NotInControl
 from behaviors.frame import MissionFrame
@@ -49,12 +50,14 @@ __all__ = [
     "Point",
     "Registry",
     "Route",
+    "Sighting",
     "Thresholds",
     "TookTooLong",
     "Unflyable",
     "Waypoint",
     "action",
     "describe",
+    "detector",
     "drone_vocabulary",
     "live",
     "load_all",

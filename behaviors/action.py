@@ -36,13 +36,22 @@ def describe_action(function: Callable[..., Any]) -> Function:
     """
     if inspect.iscoroutinefunction(function) or inspect.isgeneratorfunction(function):
         raise TypeError(f"{function.__name__}: an action is neither `async` nor has it a `yield`")
+    parameters = arguments_of(function)
+    help_ = inspect.getdoc(function) or ""
+    return Function(function.__name__, help_, parameters, function)
+
+
+def arguments_of(function: Callable[..., Any], after: int = 0) -> dict[str, Parameter]:
+    """The arguments of a person's function by name, but for the first ``after`` ones.
+
+    Raises TypeError for one that has no name.
+    """
     hints = typing.get_type_hints(function)
     parameters = {}
-    for name, declared in inspect.signature(function).parameters.items():
+    for name, declared in [*inspect.signature(function).parameters.items()][after:]:
         if declared.kind not in (declared.POSITIONAL_OR_KEYWORD, declared.KEYWORD_ONLY):
-            raise TypeError(f"{function.__name__}: arguments of an action need names: {declared}")
+            raise TypeError(f"{function.__name__}: its arguments need names: {declared}")
         required = declared.default is declared.empty
         default = None if required else declared.default
         parameters[name] = Parameter(name, type_of(hints.get(name, Any)), default, required)
-    help_ = inspect.getdoc(function) or ""
-    return Function(function.__name__, help_, parameters, function)
+    return parameters

@@ -11,6 +11,7 @@ from behaviors.params import BehaviorParams, fields_of, parameters_of
 from fsm.host import BehaviorInfo, Outcome
 
 if TYPE_CHECKING:
+    from behaviors.detector import OwnDetector
     from behaviors.flight import Flight
     from behaviors.plan import Legs, PlanStart
 
@@ -44,6 +45,8 @@ class Behavior:
     """True when every ``done`` leaves the vehicle in the air, wherever it was."""
     needs_flight: ClassVar[bool] = False
     """True when it moves a vehicle that is in the air already."""
+    detectors: ClassVar[Mapping[str, OwnDetector]] = {}
+    """Of a behaviour that ships: the detectors in the mission's own files, by name."""
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:

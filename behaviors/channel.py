@@ -8,9 +8,10 @@ own :class:`behaviors.flight.Flight`.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable
 from random import Random
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from behaviors.frame import MissionFrame
 from hal.limits import Limits
@@ -28,6 +29,15 @@ from hal.vehicle import (
     Setpoint,
     Vehicle,
 )
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+PICTURE_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+"""Names that files of pictures can have."""
+Draw = Callable[[], "NDArray[np.uint8]"]
+"""Draws a picture: BGR, (height, width, 3)."""
 
 
 class Jump(NamedTuple):
@@ -59,6 +69,8 @@ class Channel:
         pose in the world frame."""
         self.on_photo: Callable[[str, str, Frame], None] = _ignore_photo
         """Called with each frame that is kept under a name: that, the camera's, and the frame."""
+        self.on_picture: Callable[[str, Draw], None] = _ignore_picture
+        """Called with the name of an annotated picture, and what draws it if it is wanted."""
         self.on_reading: Callable[[str, Reading], None] = _ignore
         """Called with each sensor reading that is read: the sensor's name, the reading."""
         self.jump: Jump | None = None
@@ -137,6 +149,10 @@ class _MissionSensor:
 
 def _ignore_photo(name: str, camera: str, frame: Frame) -> None:
     """Ignore a photo: nothing records it."""
+
+
+def _ignore_picture(name: str, draw: Draw) -> None:
+    """Ignore an annotated picture, and do not draw it: nobody wants it."""
 
 
 def _ignore(name: str, what: Frame | Reading) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from random import Random
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from behaviors.channel import Channel
+from behaviors.channel import PICTURE_NAME, Channel, Draw
 from behaviors.frame import MissionFrame
 from behaviors.setpoints import checked, number
 from fsm.values.intake import kind_of
@@ -14,6 +14,11 @@ from hal.lights import Lights
 from hal.limits import Limits
 from hal.orders import Order
 from hal.vehicle import Camera, Frame, Observation, Sensor, Setpoint
+from vencejo.geometry import Point
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class NotInControl(RuntimeError):
@@ -86,6 +91,19 @@ class Flight:
         """Keep a frame of a camera under a name in the run folder, if there is one."""
         self._channel.on_photo(name, camera, frame)
 
+    def picture(self, name: str, draw: Draw) -> None:
+        """Show people what the behaviour sees: a camera's image with what it found drawn on it.
+
+        ``draw`` gives the annotated picture, BGR, (height, width, 3). It is called, at once, only
+        when the picture is kept, which is not the case for every call, so it must change nothing
+        that the behaviour goes by. What it raises ends the behaviour in ``failed``. Raises
+        ValueError for a name that no folder gets, and TypeError when ``draw`` gives no picture.
+        """
+        if not PICTURE_NAME.fullmatch(name):
+            hint = "up to 64 letters, digits, _ and -"
+            raise ValueError(f"'{name:.70}' is no name of a picture: {hint}")
+        self._channel.on_picture(name, lambda: _drawn(draw))
+
     def sensor(self, name: str) -> Sensor:
         """A sensor by name. Raises hal's Unavailable."""
         return self._channel.sensor(name)
@@ -139,10 +157,14 @@ class Flight:
         self._need("motion")
         return self._manoeuvre(self._channel.vehicle.takeoff(number("altitude", altitude)))
 
-    def land(self) -> Order:
-        """Descend here and stop the motors. Raises NotInControl."""
+    def land(self, moving: Point | None = None) -> Order:
+        """Descend here and stop the motors, ``moving`` over the ground at a velocity (m/s) that may
+        be given anew (see hal.Vehicle).
+
+        Raises NotInControl, ValueError for what is not finite, and hal's Unavailable.
+        """
         self._need("motion")
-        return self._manoeuvre(self._channel.vehicle.land())
+        return self._manoeuvre(self._channel.vehicle.land(moving))
 
     def return_home(self) -> Order:
         """Fly home by the vehicle's own means and land there. Raises NotInControl."""
@@ -176,3 +198,16 @@ class Flight:
         if not self.may_command:
             told = "being stopped or asked for its progress"
             raise NotInControl(f"a behaviour that is {told} does not control {resource}")
+
+
+def _drawn(draw: Draw) -> NDArray[np.uint8]:
+    """The picture that ``draw`` gives. Raises TypeError when it is none."""
+    import numpy as np  # late: missions that show no pictures start without it
+
+    image: Any = draw()
+    if not isinstance(image, np.ndarray):
+        raise TypeError(f"a picture is an array of numpy, not {kind_of(image)}")
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
+        told = f"{image.dtype} and {image.shape}"
+        raise TypeError(f"a picture is of uint8 and (height, width, 3), not of {told}")
+    return image

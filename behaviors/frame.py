@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from behaviors.params import Face, Heading, Waypoint
 from fsm.values.conversion import ABOVE_GROUND
 from fsm.values.functions import EvaluationError, shown
-from fsm.values.types import AREA, HEADING, POINT, ROUTE, Text, Type
+from fsm.values.types import AREA, AREAS, HEADING, POINT, ROUTE, Text, Type
 from hal.vehicle import Observation
 from vencejo.geometry import Point, distance, enu_of, rotate_xy
 
@@ -174,8 +174,8 @@ class MissionFrame:
         return given if isinstance(given, str) else float(given)
 
     def resolve(self, type_: Type, given: Any, start: Pose) -> Any:
-        """A checked value in the form that behaviours use: Point, Heading, Route, Area, and
-        what a file holds for its name.
+        """A checked value in the form that behaviours use: Point, Heading, Route, Area, Areas,
+        and what a file holds for its name.
 
         Values of other types are returned as they are. Raises as :meth:`point` does.
         """
@@ -185,8 +185,8 @@ class MissionFrame:
             return self.point(given, start)
         if type_ == HEADING:
             return self.heading(given, start)
-        if type_ in (ROUTE, AREA):
-            element = self._waypoint if type_ == ROUTE else self.point
+        if type_ in (ROUTE, AREA, AREAS):
+            element = {ROUTE: self._waypoint, AREA: self.point, AREAS: self._area}[type_]
             return [element(each, start) for each in given]
         if isinstance(type_, Text) and type_.file:
             return self._content(given)
@@ -196,6 +196,9 @@ class MissionFrame:
         if file not in self.files:
             raise EvaluationError(f"the file '{file}' has not been read")
         return self.files[file]
+
+    def _area(self, given: Any, start: Pose) -> list[Point]:
+        return [self.point(corner, start) for corner in given]
 
     def _waypoint(self, given: Any, start: Pose) -> Waypoint:
         if isinstance(given, Mapping) and "at" in given:

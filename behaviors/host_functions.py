@@ -1,4 +1,4 @@
-"""Functions that every mission may `call`: limits, lights and battery of its own vehicle.
+"""Functions that every mission may `call`: limits, lights, battery, cameras of its own vehicle.
 
 A refusal by the vehicle becomes ``error.execution`` in the mission.
 """
@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from behaviors.channel import Channel
+from behaviors.channel import PICTURE_NAME, Channel
 from fsm.host import Function, Parameter
 from fsm.values.functions import EvaluationError
 from fsm.values.types import TEXT, Number, Text
@@ -77,6 +77,27 @@ def use_camera(channel: Channel, name: str) -> None:
         raise EvaluationError(str(error)) from None
 
 
+def save_picture(channel: Channel, name: str, camera: str | None = None) -> None:
+    """Keep the newest frame of a camera, without one of the active camera, as a photo.
+
+    Raises EvaluationError for a name that no file gets, and where there is no such camera or frame.
+    """
+    if not PICTURE_NAME.fullmatch(name):
+        raise EvaluationError(
+            f"'{name:.70}' is no name of a picture: up to 64 letters, digits, _, -"
+        )
+    chosen = camera or channel.vehicle.active_camera
+    if chosen is None:
+        raise EvaluationError("all cameras are active: say which `camera` the picture is of")
+    try:
+        frame = channel.camera(chosen).latest()
+    except Unavailable as error:
+        raise EvaluationError(str(error)) from None
+    if frame is None:
+        raise EvaluationError(f"the camera '{chosen}' has taken no picture yet")
+    channel.on_photo(name, chosen, frame)
+
+
 TOGGLE = "toggle"
 """The word for the camera after the active one."""
 HostFunction = Callable[..., Order | None]
@@ -124,6 +145,18 @@ HOST_FUNCTIONS: Mapping[str, tuple[Function, HostFunction]] = MappingProxyType(
                 {"name": Parameter("name", TEXT, required=True)},
             ),
             use_camera,
+        ),
+        "save_picture": (
+            Function(
+                "save_picture",
+                "Keep the newest picture of the active camera, or of the one named, under a name "
+                "in the run folder's photos.",
+                {
+                    "name": Parameter("name", TEXT, required=True),
+                    "camera": Parameter("camera", TEXT),
+                },
+            ),
+            save_picture,
         ),
     }
 )

@@ -16,6 +16,7 @@ from fsm.host import Parameter
 from fsm.values.types import (
     ANY,
     AREA,
+    AREAS,
     BOOL,
     HEADING,
     POINT,
@@ -54,6 +55,8 @@ Route = list[Waypoint]
 """Points in order, mission frame."""
 Area = list[Point]
 """The corners of a polygon, mission frame."""
+Areas = list[Area]
+"""Several polygons."""
 
 _TYPES: dict[Any, Type] = {
     bool: BOOL,
@@ -65,8 +68,10 @@ _TYPES: dict[Any, Type] = {
     Heading: HEADING,
     Route: ROUTE,
     Area: AREA,
+    Areas: AREAS,
     Any: ANY,
     list: ListOf(),
+    list[Any]: ListOf(),
 }
 
 
@@ -134,7 +139,7 @@ def type_of(annotation: Any) -> Type:
     options = typing.get_args(annotation)
     if type(None) in options:
         annotation = reduce(or_, (option for option in options if option is not type(None)))
-    return _TYPES.get(annotation, ANY)
+    return _TYPES.get(annotation) or _TYPES.get(typing.get_origin(annotation), ANY)
 
 
 def _type(annotation: Any, spec: ParamSpec) -> Type:
@@ -186,7 +191,7 @@ def fields_of(record: type | None) -> dict[str, Type]:
     hints = typing.get_type_hints(record)
     fields: dict[str, Type] = {}
     for declared in dataclasses.fields(record):
-        type_ = _TYPES.get(hints[declared.name], ANY)
+        type_ = type_of(hints[declared.name])
         if isinstance(type_, Number):
             type_ = Number(_dimension(declared.metadata.get("unit", "")))
         fields[declared.name] = type_

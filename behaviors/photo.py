@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
+from behaviors.channel import PICTURE_NAME
 from behaviors.flight import Flight
 from behaviors.guidance import STILL, Reference, yaw_towards
 from behaviors.manoeuvre import EPSILON
@@ -21,7 +21,6 @@ STEADY_SPEED, STEADY_RATE = 0.05, 0.05
 """Speed, m/s, and turn rate, rad/s, below which the vehicle is steady."""
 YAW_TOLERANCE = 0.05
 """Error of the heading, radians."""
-_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +110,7 @@ class Photo(Behavior):
 
 def _check(params: Any) -> None:
     """Raises Unflyable for a name that no file gets, and a heading that means nothing here."""
-    if isinstance(params.name, str) and not _NAME.fullmatch(params.name):
+    if isinstance(params.name, str) and not PICTURE_NAME.fullmatch(params.name):
         message = f"'{params.name:.70}' is no name of a picture"
         raise Unflyable(message, "name", "up to 64 letters, digits, _ and -")
     if isinstance(params.heading, str) and params.heading == "travel":

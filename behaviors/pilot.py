@@ -158,12 +158,8 @@ class Pilot:
 
     def _activate_camera(self, behavior: BehaviorInfo, given: Mapping[str, Any]) -> None:
         """Make the camera that a behaviour needs the active one, where only one is."""
-        named = (
-            f"{parameter.names}.{given.get(name, parameter.default)}"
-            for name, parameter in behavior.parameters.items()
-            if parameter.names
-        )
-        for word in (*behavior.requires, *named):
+        known = {name: value for name, value in given.items() if value is not None}
+        for word in (*behavior.requires, *behavior.named(known)):
             kind, _, name = word.partition(".")
             # One that is given in flight and is not there: the behaviour's start tells it.
             if kind == "camera" and word in self.vehicle.capabilities:

@@ -7,7 +7,7 @@ battery they take.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -65,6 +65,14 @@ class Unknown:
 
 UNKNOWN: Final[Any] = Unknown()
 """The value of a parameter, or of a fact about the start, that is only known in flight."""
+
+
+def is_known(given: Any) -> bool:
+    """Whether a value is known before the flight, and all that is in it."""
+    if isinstance(given, Unknown):
+        return False
+    inside = given.values() if isinstance(given, Mapping) else given
+    return not isinstance(inside, Iterable) or isinstance(inside, str) or all(map(is_known, inside))
 
 
 @dataclass(frozen=True, slots=True)

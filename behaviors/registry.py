@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import inspect
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -15,6 +16,7 @@ from typing import TypeGuard
 from behaviors.action import describe_action, is_action
 from behaviors.behavior import Behavior, describe
 from behaviors.calls import Calls, CodeFailed
+from behaviors.detector import BUILT_IN, OwnDetector, describe_detector, is_detector
 from behaviors.host_functions import HOST_FUNCTIONS
 from fsm.host import BehaviorInfo, Function
 from vencejo.errors import Fault, UserError, Where
@@ -32,8 +34,13 @@ class Registry(Mapping[str, BehaviorInfo]):
     """
 
     def __init__(
-        self, own: Mapping[str, BehaviorInfo] | None = None, calls: Calls | None = None
+        self,
+        own: Mapping[str, BehaviorInfo] | None = None,
+        calls: Calls | None = None,
+        detectors: Mapping[str, OwnDetector] | None = None,
     ) -> None:
+        """``own`` and ``detectors`` are those of the mission's own files."""
+        self._detectors = detectors or {}
         self._points = plugins(GROUP)
         self._known: dict[str, BehaviorInfo] = dict(own or {})
         self._calls = calls or Calls()
@@ -45,7 +52,7 @@ class Registry(Mapping[str, BehaviorInfo]):
 
     def _load(self, point: EntryPoint) -> BehaviorInfo:
         try:
-            return self._calls.run(lambda: describe(point.load(), point.name))
+            return self._calls.run(lambda: describe(self._bound(point.load()), point.name))
         except CodeFailed as error:
             raise UserError(
                 "broken-code",
@@ -53,6 +60,13 @@ class Registry(Mapping[str, BehaviorInfo]):
                 error.where,
                 f"it is {point.value} of {point.dist.name if point.dist else 'no package'}",
             ) from None
+
+    def _bound(self, behavior: type[Behavior]) -> type[Behavior]:
+        """A behaviour that knows the mission's own detectors."""
+        if not self._detectors:
+            return behavior
+        known = {"detectors": self._detectors, "__doc__": behavior.__doc__}
+        return type(behavior.__name__, (behavior,), known)
 
     def __contains__(self, name: object) -> bool:
         return name in self._known or name in self._points
@@ -64,8 +78,8 @@ class Registry(Mapping[str, BehaviorInfo]):
         return len({*self._points, *self._known})
 
 
-Own = dict[str, BehaviorInfo | Function]
-"""Behaviours and functions of a mission's own Python files, by name."""
+Own = dict[str, BehaviorInfo | Function | OwnDetector]
+"""Behaviours, functions and detectors of a mission's own Python files, by name."""
 
 
 def load_all(files: Iterable[tuple[Scalar, Path]], calls: Calls | None = None) -> Own:
@@ -77,6 +91,7 @@ def load_all(files: Iterable[tuple[Scalar, Path]], calls: Calls | None = None) -
     found: Own = {}
     seen: set[Path] = set()
     calls = calls or Calls()
+    taken = {*Registry(), *HOST_FUNCTIONS, *BUILT_IN}
     for scalar, folder in files:
         path = path_of(scalar, folder)
         if path in seen:
@@ -84,7 +99,7 @@ def load_all(files: Iterable[tuple[Scalar, Path]], calls: Calls | None = None) -
         seen.add(path)
         for info in _contents(scalar, path, calls):
             what = "behaviour" if isinstance(info, BehaviorInfo) else "function"
-            if info.name in Registry() or info.name in HOST_FUNCTIONS or info.name in found:
+            if info.name in taken or info.name in found:
                 raise UserError(
                     "name-taken",
                     f"'{scalar.text}' has a {what} '{info.name}', but there is one already",
@@ -110,7 +125,9 @@ def path_of(scalar: Scalar, folder: Path) -> Path:
     return path
 
 
-def _contents(scalar: Scalar, path: Path, calls: Calls) -> list[BehaviorInfo | Function]:
+def _contents(
+    scalar: Scalar, path: Path, calls: Calls
+) -> list[BehaviorInfo | Function | OwnDetector]:
     name, where = scalar.text, scalar.where
     module_name = f"_vencejo_uses_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
     spec = importlib.util.spec_from_file_location(module_name, path)
@@ -142,7 +159,7 @@ class _Flawed(UserError):
 
 def _run(
     module: ModuleType, execute: Callable[[ModuleType], None], name: str
-) -> list[BehaviorInfo | Function]:
+) -> list[BehaviorInfo | Function | OwnDetector]:
     """Run a person's file, and look at what it defines. Raises _Flawed, and anything else."""
     # Most missions have no Python beside them: what looks at it is imported when there is some.
     from behaviors.declaration import flaws_of
@@ -157,10 +174,15 @@ def _run(
     ]
     if flaws:
         raise _Flawed.of(flaws)
-    functions = dict.fromkeys(filter(is_action, vars(module).values()))
+    things = [
+        thing
+        for thing in dict.fromkeys(filter(inspect.isfunction, vars(module).values()))
+        if thing.__module__ == module.__name__
+    ]
     return [
         *map(describe, own),
-        *(describe_action(f) for f in functions if f.__module__ == module.__name__),
+        *map(describe_action, filter(is_action, things)),
+        *map(describe_detector, filter(is_detector, things)),
     ]
 
 

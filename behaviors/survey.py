@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 from behaviors.arrival import Blocked
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
+from behaviors.outline import require_simple
 from behaviors.params import Area, BehaviorParams, Heading, param, value
 from behaviors.plan import Legs, PlanStart, Unflyable, leg_to
 from behaviors.waypoint_flight import Goal, Tolerances, WaypointFlight
 from fsm.host import Outcome
 from vencejo.geometry import Point, bearing, distance, rotate_xy
-from vencejo.polylines import crossing_of
 
 _YAW_TOLERANCE = 0.3
 _MOST_LINES = 10_000
@@ -150,16 +150,7 @@ def _check(params: Any) -> None:
     if params.spacing is None and params.camera is None:
         hint = "give the `spacing`, or the `camera` that must see it all"
         raise Unflyable("nothing says how far the lines are apart", "", hint)
-    corners = list(dict.fromkeys((corner.x, corner.y) for corner in params.area))
-    if len(corners) < 3:
-        raise Unflyable("an area has 3 different corners or more", "area")
-    crossed = crossing_of([*corners, corners[0]])
-    if crossed is not None:
-        where = f"[{crossed[0]:.4g}, {crossed[1]:.4g}]"
-        hint = "name its corners in order, as one walks round it"
-        raise Unflyable(
-            f"the outline of this area crosses or touches itself near {where}", "area", hint
-        )
+    require_simple(params.area)
 
 
 def survey_lines(

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from behaviors.behavior import snake_case
+from behaviors.detector import OwnDetector
 from behaviors.registry import Own, path_of
 from fsm.host import BehaviorInfo, Function
 from vencejo.errors import Fault, UserError
@@ -31,7 +32,7 @@ def trusted(files: Iterable[tuple[Scalar, Path]], faults: list[Fault]) -> Own:
     return found
 
 
-def _contents(path: Path) -> Iterator[BehaviorInfo | Function]:
+def _contents(path: Path) -> Iterator[BehaviorInfo | Function | OwnDetector]:
     """Every public class with a base as a behaviour, every decorated function as one to call."""
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -44,7 +45,18 @@ def _contents(path: Path) -> Iterator[BehaviorInfo | Function]:
             name = next(_given_names(node), snake_case(node.name))
             yield BehaviorInfo(name, on_trust=True)
         elif isinstance(node, ast.FunctionDef) and node.decorator_list:
-            yield Function(node.name, on_trust=True)
+            if "detector" in {_name_of(each) for each in node.decorator_list}:
+                yield OwnDetector(node.name)
+            else:
+                yield Function(node.name, on_trust=True)
+
+
+def _name_of(decorator: ast.expr) -> str:
+    """``detector`` of ``@detector`` and of ``@behaviors.detector``."""
+    match decorator:
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return name
+    return ""
 
 
 def _given_names(node: ast.ClassDef) -> Iterator[str]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from behaviors.calls import Calls
+from behaviors.detector import OwnDetector
 from behaviors.host_functions import HOST_FUNCTIONS
 from behaviors.registry import Registry
 from fsm.host import BehaviorInfo, Function, Reaction, Vocabulary
@@ -147,21 +148,23 @@ VEHICLE: Mapping[str, Type] = MappingProxyType(
 
 
 def drone_vocabulary(
-    own: Mapping[str, BehaviorInfo | Function] | None = None,
+    own: Mapping[str, BehaviorInfo | Function | OwnDetector] | None = None,
     places: Iterable[str] | None = None,
     peers: Iterable[str] | None = None,
     calls: Calls | None = None,
 ) -> Vocabulary:
     """The vocabulary of drone missions.
 
-    ``own`` are behaviours and functions beside the mission; ``places`` the names of the world's
-    places, None when the world is not known; ``peers`` the vehicles of the fleet, None without one;
-    ``calls`` those that import installed behaviours.
+    ``own`` are behaviours, functions and detectors beside the mission; ``places`` the names of the
+    world's places, None when the world is not known; ``peers`` the vehicles of the fleet, None
+    without one; ``calls`` those that import installed behaviours.
     """
     own = own or {}
     return Vocabulary(
         behaviors=Registry(
-            {n: known for n, known in own.items() if isinstance(known, BehaviorInfo)}, calls
+            {n: known for n, known in own.items() if isinstance(known, BehaviorInfo)},
+            calls,
+            {n: known for n, known in own.items() if isinstance(known, OwnDetector)},
         ),
         functions={
             **{name: function for name, (function, _) in HOST_FUNCTIONS.items()},

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from behaviors.detector import OwnDetector
 from cli.look import VIEWS
 from cli.options import (
     BehaviorName,
@@ -260,11 +261,16 @@ def behaviors(name: str | None, uses: Path | None, call_limit: float | None, as_
         _explain(found[name])
 
 
-def _kind(info: BehaviorInfo | Function) -> str:
+_Listed = BehaviorInfo | Function | OwnDetector
+
+
+def _kind(info: _Listed) -> str:
+    if isinstance(info, OwnDetector):
+        return "detector"
     return "behavior" if isinstance(info, BehaviorInfo) else "function"
 
 
-def _behavior_facts(behavior: BehaviorInfo | Function) -> dict[str, Any]:
+def _behavior_facts(behavior: _Listed) -> dict[str, Any]:
     def names(fields: Any) -> dict[str, str]:
         return {name: str(type_) for name, type_ in fields.items()}
 
@@ -273,7 +279,7 @@ def _behavior_facts(behavior: BehaviorInfo | Function) -> dict[str, Any]:
         "help": plain(behavior.help),
         "parameters": {p.name: _parameter(p) for p in behavior.parameters.values()},
     }
-    if isinstance(behavior, Function):
+    if not isinstance(behavior, BehaviorInfo):
         return facts
     return {
         **facts,
@@ -286,10 +292,12 @@ def _behavior_facts(behavior: BehaviorInfo | Function) -> dict[str, Any]:
     }
 
 
-def _explain(behavior: BehaviorInfo | Function) -> None:
+def _explain(behavior: _Listed) -> None:
     click.echo(f"{behavior.name}\n\n{plain(behavior.help)}\n")
     if isinstance(behavior, Function):
         click.echo("a function: `call` it in actions; its arguments:")
+    elif isinstance(behavior, OwnDetector):
+        click.echo("a detector: name it under `detect`; its settings:")
     elif behavior.parameters:
         click.echo("parameters (`live` ones may also stand under `live:`):")
     _table([(f"  {p.name}", described(p)) for p in behavior.parameters.values()])

@@ -20,6 +20,7 @@ from cli.narrator import Line, clock, height_of
 from cli.screen import Picture, Screen
 from cli.sketch import XY, Mark, Sketch
 from cli.state_tree import draw_tree
+from cli.vehicle_colors import legible
 from cli.vehicle_rows import Watched, battery_style, end_of, vehicle_rows, where
 from fsm.engine.instance import Record
 from runner.by_vehicle import ALONE
@@ -144,6 +145,8 @@ class LiveView:
             self._next = now + REFRESH
             self._set_up(pilot)
         watched = self._watched[pilot.vehicle.name] = Watched(pilot)
+        if self._width and pilot.vehicle.color is not None:
+            watched.style = "bold #{:02x}{:02x}{:02x}".format(*legible(pilot.vehicle.color))
         self._sketch.include(_home(pilot))
         return watched
 
@@ -250,7 +253,7 @@ class LiveView:
             seen = watched.pilot.channel.world
             arrow = _ARROWS[round(seen.yaw / (pi / 4)) % 8]
             label = name if self._width else ""
-            yield Mark(_on_map(watched.pilot, seen.position), arrow, "bold magenta", label)
+            yield Mark(_on_map(watched.pilot, seen.position), arrow, watched.style, label)
 
     def _last(self, columns: int, rows: int) -> list[Text]:
         """What happened last: states entered have at least half of the rows, if they need them."""

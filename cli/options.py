@@ -19,7 +19,7 @@ from hal.renderers import renderer_names
 from runner.geometry import CLEARANCE, Terms
 from vencejo.errors import UserError, Where, nearest
 from vencejo.nodes import Mapping, Scalar, YamlNode
-from vencejo.units import LENGTH, TIME, read_quantity
+from vencejo.units import FREQUENCY, LENGTH, TIME, read_quantity
 from worlds.wind import read_wind
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -117,6 +117,23 @@ class CallSeconds(_AsWritten):
         if not 0 <= seconds < inf:
             self.fail(f"'{value}' is no time; for instance --call-limit 10s, or none")
         return max(seconds, SHORTEST_CALL_LIMIT) if seconds else None
+
+
+class PictureRate(_AsWritten):
+    """Pictures a second: a frequency above 0."""
+
+    name = "RATE"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            rate = read_quantity(str(value), FREQUENCY)
+        except UserError:
+            rate = 0.0
+        if not 0 < rate < inf:
+            self.fail(f"'{value}' is no frequency above 0; for instance --picture-rate 10Hz")
+        return rate
 
 
 SHORTEST_CALL_LIMIT = 0.01

@@ -17,6 +17,7 @@ from behaviors import Calls, Pilot
 from cli.options import (
     LimitSettings,
     MissionName,
+    PictureRate,
     Speed,
     Word,
     WorldName,
@@ -50,7 +51,7 @@ from runner.missions import Found
 from runner.pace import Pace
 from runner.plan import Assignment, Fleet, Plan, with_model
 from runner.posts import parse_posts
-from runner.recorder import Recorder, new_folder
+from runner.recorder import PICTURE_RATE, Recorder, new_folder
 from runner.run_folder import INTERRUPTED, NOT_RECORDED, Summary, summary_fields
 from runner.vehicle_models import faults_of_models, flight_of, models_of
 from vencejo.errors import Fault, OutputError, Stopped, UserError, Where
@@ -145,13 +146,26 @@ if TYPE_CHECKING:
 @click.option(
     "--no-frames",
     is_flag=True,
-    help="Do not keep the camera pictures that behaviours read, to save space.",
+    help="Do not keep the camera pictures that behaviours read or annotate, to save space.",
+)
+@click.option(
+    "--picture-rate",
+    type=PictureRate(),
+    default=f"{PICTURE_RATE:g}Hz",
+    show_default=True,
+    help="The most annotated pictures of a behaviour to keep in a second.",
 )
 @call_limit_option
 @click.option(
     "--no-picture",
     is_flag=True,
     help="Do not draw flight.png; `drone-cli picture FOLDER` does it later.",
+)
+@click.option(
+    "--video",
+    is_flag=True,
+    help="Make videos of the annotated pictures, or else of what cameras saw, after the flight; "
+    "`drone-cli video FOLDER` does it later.",
 )
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the summary as JSON, and nothing else."
@@ -180,7 +194,9 @@ def run(
     posts: tuple[str, ...],
     runs_dir: Path,
     no_frames: bool,
+    picture_rate: float,
     no_picture: bool,
+    video: bool,
     call_limit: float | None,
     as_json: bool,
 ) -> None:
@@ -191,6 +207,9 @@ def run(
     or output could not be written, 130 interrupted (and landed). Ctrl-C once asks the mission to
     stop, twice lands at once, thrice stops the program.
     """
+    if video and no_frames:
+        message = "--video is made of the pictures that --no-frames leaves out: give one of them"
+        raise click.UsageError(message, context)
     if again is not None:
         _refuse_settings_beside_again(context)
         plan, call_limit = _plan_again(again)
@@ -235,13 +254,16 @@ def run(
     def record() -> Recorder:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         folder = new_folder(runs_dir, stamp, plan.name)
-        return Recorder(folder, frames=not no_frames)
+        return Recorder(folder, frames=not no_frames, picture_rate=picture_rate)
 
-    how = _Shown(None if as_json else context.obj, picture=not no_picture)
+    how = _Shown(None if as_json else context.obj, picture=not no_picture, video=video)
     sys.exit(_fly(plan, speed, call_limit, record, how))
 
 
-_BESIDE_AGAIN = ("again", "speed", "runs_dir", "no_frames", "no_picture", "as_json")
+_BESIDE_AGAIN = (
+    *("again", "speed", "runs_dir", "no_frames", "picture_rate", "no_picture", "video"),
+    "as_json",
+)
 """Parameters that do not change a flight."""
 
 
@@ -313,6 +335,8 @@ class _Shown:
     """Shows it while it goes on, and its end; without it the end is printed as JSON."""
     picture: bool
     """Whether its picture is drawn."""
+    video: bool
+    """Whether videos are made of it."""
 
 
 def _fly(
@@ -339,7 +363,7 @@ def _fly(
 
             limit = stack.enter_context(user_code(call_limit, landed))
             stops = stack.enter_context(Interrupts())
-            watchers = _watchers(plan, speed, how.out, stops, stack) if how.out else ()
+            watchers = _watchers(plan, speed, how.out, stops, made, stack) if how.out else ()
             summary = fly(plan, record, watchers, Pace(speed), stops, limit)
     except Stopped:
         click.echo("stopped; the vehicle is left to its own failsafe", err=True)
@@ -364,15 +388,30 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
                 to = f"{post.to}:" if post.to else ""
                 late = f"--post {post.time:g}s:{to}{post.event}: the flight was over before"
                 click.echo(late, err=True)
-        no_room = how.picture and _draw(folder)
+        files = [f"pictures: {each}" for each in recorder.picture_folders]
+        no_room = _keep_findings(folder, files)
+        no_room = (how.picture and _draw(folder)) or no_room
+        no_room = (how.video and _film(folder, files)) or no_room
         fields = summary_fields(summary, folder)
         if how.out is None:
             echo_json(fields, default=as_json_value)
         else:
             from cli.view import show_summary
 
-            show_summary(fields, colored=_is_colored(_console(how.out)))
+            show_summary(fields, files, colored=_is_colored(_console(how.out)))
         return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
+
+
+def _keep_findings(folder: Path, files: list[str]) -> bool:
+    """Write what the run has found; True when the disk had no room for it."""
+    from runner.findings import write_findings
+
+    try:
+        files += [f"findings: {file}" for file in write_findings(folder)]
+    except UserError as error:
+        click.echo(f"no findings: {error}", err=True)
+        return True
+    return False
 
 
 def _summarized(recorder: Recorder, summary: Summary) -> Summary:
@@ -385,23 +424,31 @@ def _summarized(recorder: Recorder, summary: Summary) -> Summary:
 
 
 def _watchers(
-    plan: Plan, speed: float | None, out: Output, stops: Interrupts, stack: ExitStack
+    plan: Plan,
+    speed: float | None,
+    out: Output,
+    stops: Interrupts,
+    made: Sequence[Recorder],
+    stack: ExitStack,
 ) -> list[Watcher]:
-    """The live view on a terminal that can draw it, plain lines elsewhere."""
+    """The live view on a terminal that can draw it, plain lines elsewhere.
+
+    ``made``: the recorder, once the flight has begun.
+    """
     console = _console(out)
     drawable = out.isatty() and console.is_terminal and not console.is_dumb_terminal
     if not (drawable and out.unicode):
         from cli.view import PlainView
 
         view = PlainView(out, list(plan.assignments), colored=_is_colored(console))
-        return [view, _Reader(out, stops)]
+        return [view, _PictureNews(made, view.note), _Reader(out, stops)]
     from cli.live_view import LiveView
 
     # Elsewhere the world's things do not stand where its file says.
     world = plan.world if plan.backend == "sim" else None
     fleet, vehicles = plan.fleet.name if plan.fleet else "", list(plan.assignments)
     live = LiveView(console, world, speed, fleet=fleet, vehicles=vehicles)
-    return [stack.enter_context(live), _Reader(out, stops)]
+    return [stack.enter_context(live), _PictureNews(made, live.note), _Reader(out, stops)]
 
 
 def _console(out: Output) -> Console:
@@ -413,6 +460,21 @@ def _console(out: Output) -> Console:
 def _is_colored(console: Console) -> bool:
     """Whether colours are wanted: on a terminal, or by FORCE_COLOR, but never with NO_COLOR."""
     return console.color_system is not None and not console.no_color
+
+
+@dataclass
+class _PictureNews:
+    """Tells where annotated pictures are, when the first one of a name is there."""
+
+    made: Sequence[Recorder]
+    tell: Callable[[str], None]
+    told: int = 0
+
+    def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
+        folders = self.made[0].picture_folders
+        for folder in folders[self.told :]:
+            self.tell(f"pictures: {folder}")
+        self.told = len(folders)
 
 
 @dataclass(frozen=True)
@@ -431,12 +493,32 @@ def _draw(folder: Path) -> bool:
     """Draw the run's picture; True when the disk had no room for it."""
     from cli.plot import draw
 
+    return _is_without_room(lambda: draw(folder), "picture", f"drone-cli picture {folder}")
+
+
+def _film(folder: Path, files: list[str]) -> bool:
+    """Make the run's videos, and add them to ``files``; True when the disk had no room for one."""
+    from cli.video import videos
+
+    def make() -> None:
+        for file in videos(folder):
+            files.append(f"video: {file}")
+
+    return _is_without_room(make, "video", f"drone-cli video {folder}")
+
+
+def _is_without_room(make: Callable[[], object], what: str, command: str) -> bool:
+    """Make something of a run; True when the disk had no room for it.
+
+    ``command`` makes it later, where it was interrupted.
+    """
     try:
         with Interrupts(last=1):
-            draw(folder)
+            make()
     except UserError as error:
-        click.echo(f"no picture: {error}", err=True)
+        click.echo(f"no {what}: {error}", err=True)
         return isinstance(error, OutputError)
     except Stopped:
-        click.echo(f"no picture: interrupted; drawn by `drone-cli picture {folder}`", err=True)
+        made = "drawn" if what == "picture" else "made"
+        click.echo(f"no {what}: interrupted; {made} by `{command}`", err=True)
     return False

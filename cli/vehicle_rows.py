@@ -33,6 +33,8 @@ class Watched:
     """The state entered last."""
     left_ground: bool = False
     """Whether it was off the ground at any time."""
+    style: str = "bold magenta"
+    """Of its name and its arrow on the map."""
     sampled: float = -inf
     """When the last point of its path was taken."""
 
@@ -51,7 +53,7 @@ def vehicle_rows(vehicles: Sequence[Watched], width: int, columns: int, rows: in
 def _row(watched: Watched, width: int, columns: int) -> Text:
     """Its name, its states, and, where there is room, its figures."""
     pilot = watched.pilot
-    name = Text(f"{pilot.vehicle.name:{width}}  ", "bold magenta")
+    name = Text(f"{pilot.vehicle.name:{width}}  ", watched.style)
     room = columns - width - 2 - _FIGURES
     if room < 12:
         return Text.assemble(name, where(watched, columns - width - 2))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import click
@@ -30,6 +30,10 @@ class PlainView:
         self._names = {name: "" if alone else f"{name:{width}}  " for name in vehicles}
         self._narrators: defaultdict[str, Narrator] = defaultdict(Narrator)
 
+    def note(self, text: str) -> None:
+        """Show a line among the notes."""
+        print(f"{'':>8}    {text}", file=self._out, flush=True)
+
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         """Show a period (see :class:`runner.loop.Watcher`)."""
         for line in self._narrators[pilot.vehicle.name].tell(pilot, records):
@@ -49,8 +53,10 @@ def _told(line: Line, pilot: Pilot) -> str:
     return f"{line.text}  {', '.join(filter(None, figures))}"
 
 
-def show_summary(summary: Mapping[str, Any], *, colored: bool = False) -> None:
-    """Print the end of a run for a person; the run folder comes last."""
+def show_summary(
+    summary: Mapping[str, Any], files: Iterable[str] = (), *, colored: bool = False
+) -> None:
+    """Print the end of a run for a person; its ``files`` and the run folder come last."""
     pace = (
         f"{summary['mission_time_s']:.1f} s flown in {_rounded(summary['wall_time_s'])} s"
         f" ({_rounded(summary['realtime_factor'])} × real time)"
@@ -64,6 +70,7 @@ def show_summary(summary: Mapping[str, Any], *, colored: bool = False) -> None:
         sign, end = _end(summary, success=summary["success"])
         lines = [f"{sign} {summary['mission']} {end}", f"  {pace}, {_figures(summary)}"]
         lines += _details(summary, colored)
+    lines += files
     if summary["run_folder"]:
         lines.append(f"run folder: {summary['run_folder']}")
     click.echo("\n".join(lines), color=colored)

@@ -6,7 +6,7 @@ gives the behaviours life through the :class:`Host` protocol.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -67,6 +67,16 @@ class BehaviorInfo:
     def may_take_off(self) -> bool:
         """Whether it may leave the ground; a landed vehicle stays there under any other."""
         return self.takes_off or "takeoff" in self.requires
+
+    def named(self, given: Mapping[str, Any]) -> Iterator[str]:
+        """The capabilities that the values of its parameters name, defaults included.
+
+        ``given`` are those that it is given; None is one that names nothing, or is not known yet.
+        """
+        for name, parameter in self.parameters.items():
+            value = given.get(name, parameter.default)
+            if parameter.names and value is not None:
+                yield f"{parameter.names}.{value}"
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from math import inf
+from math import inf, isfinite
 from types import MappingProxyType
 from typing import Any, Generic, Self, TypeVar
 
-from hal.lights import Lights
+from hal.lights import Lights, Rgb
 from hal.limits import Limits
 from hal.orders import MOTION, Decision, Order, Orders
 from hal.vehicle import (
@@ -56,6 +56,7 @@ class BaseVehicle:
     capabilities: frozenset[str] = frozenset()
     profiles: Mapping[str, Limits] = MappingProxyType({})
     model = ""
+    color: Rgb | None = None
 
     def __init__(self, name: str, decisions: Mapping[str, Decide]) -> None:
         """``decisions``: the function that decides on each verb that the vehicle has."""
@@ -134,6 +135,12 @@ class BaseVehicle:
         """
         return self._expires - self._now
 
+    @property
+    def landing_with(self) -> Point | None:
+        """The velocity over the ground that it is to land with, m/s; None over one place."""
+        order = self.orders.under_way.get("land")
+        return order.arguments[0] if order is not None and order.arguments else None
+
     def end_period(self, seen: Observation) -> None:
         """End a mission period with its observation; orders that took too long are lost."""
         self._seen, self._now = seen, seen.time
@@ -184,8 +191,15 @@ class BaseVehicle:
     def takeoff(self, altitude: float) -> Order:
         return self.send("takeoff", altitude)
 
-    def land(self) -> Order:
-        return self.send("land")
+    def land(self, moving: Point | None = None) -> Order:
+        """See the contract. Raises ValueError for a velocity that is not finite."""
+        if moving is None:
+            return self.send("land")
+        if not isfinite(moving.x + moving.y):
+            raise ValueError(f"a landing needs a finite velocity: {moving}")
+        if "land.moving" not in self.capabilities:
+            raise Unavailable(f"the vehicle '{self._name}' cannot land on what moves")
+        return self.send("land", moving)
 
     def return_home(self) -> Order:
         return self.send("return_home")

@@ -73,7 +73,17 @@ class FakeVehicle(BaseVehicle):
         self.shown: list[Lights] = []
         """All patterns that its lamps were ordered to show."""
         self.capabilities = frozenset(
-            {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+            {
+                "position",
+                "velocity",
+                "attitude",
+                "yaw",
+                "arm",
+                "disarm",
+                "takeoff",
+                "land",
+                "land.moving",
+            }
             | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
             | {"battery", "battery.swap"}
         )
@@ -190,7 +200,7 @@ class FakeVehicle(BaseVehicle):
         self._mode = "taking-off"
         return UNDER_WAY
 
-    def _decide_land(self) -> Decision:
+    def _decide_land(self, *_moving: Point) -> Decision:
         if self._mode == "landed":
             self._armed = False
             return DONE
@@ -327,7 +337,9 @@ class FakeVehicle(BaseVehicle):
             case "stopped":
                 return self.position.plus((0.0, 0.0, -_FALL * step))
             case "landing":
-                return self._towards(self.position._replace(z=self._ground), step)
+                x, y, _ = self.landing_with or _STILL
+                below = self._towards(self.position._replace(z=self._ground), step)
+                return below.plus((x * step, y * step, 0.0))
             case "taking-off" | "returning":
                 return self._towards(self._target, step)
         return self._flown(step)

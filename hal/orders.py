@@ -90,8 +90,8 @@ class Orders:
         """Orders that count no more, with the reason that they are told in the next period."""
 
     def send(self, verb: str, *arguments: Any) -> Order:
-        """Take down a verb. One that is already sent or under way is that order again, unless it
-        was superseded, or another verb of motion was sent since.
+        """Take down a verb. One that is already sent or under way is that order again, with these
+        arguments, unless it was superseded, or another verb of motion was sent since.
         """
         motion = verb in MOTION
         alike = [order for order in self.sent if (order.verb in MOTION) == motion]
@@ -100,6 +100,7 @@ class Orders:
         again = last is not None and last.verb == verb and last not in self.superseded
         going_on = last is not None and last.state == "accepted" and motion
         if last is not None and again and (going_on or last.arguments == arguments):
+            last.arguments = arguments
             return last
         order = Order(verb, arguments)
         self.sent.append(order)

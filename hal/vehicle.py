@@ -288,6 +288,10 @@ class Vehicle(Protocol):
         """The name of its model; empty where it is not known."""
 
     @property
+    def color(self) -> Rgb | None:
+        """The colour of its hull; None where it is not known."""
+
+    @property
     def capabilities(self) -> frozenset[str]:
         """Words such as ``position``, ``velocity``, ``arm``, ``takeoff``, ``camera.front``."""
 
@@ -319,8 +323,12 @@ class Vehicle(Protocol):
         Done when the altitude is reached. Refused while landing is forced or the battery is empty.
         """
 
-    def land(self) -> Order:
+    def land(self, moving: Point | None = None) -> Order:
         """Descend here and disarm; done when it stands with the motors off.
+
+        ``moving`` is the velocity over the ground, world frame, m/s, to come down with, until it is
+        asked for anew with another one or none: that of a thing that moves, so that the vehicle
+        does not slide there. Needs the capability ``land.moving``, and raises Unavailable without.
 
         A vehicle that finds that it does not stand where it came down flies again and holds. The
         order is then refused, and ``vehicle.unstable`` is among the events of that period.
@@ -443,7 +451,7 @@ class VehicleSpec:
     start: Start | None = None
     """Its place and heading when the run begins, world frame; None for a start of the world."""
     color: Rgb | None = None
-    """The colour of its hull in pictures; None for one that its name decides."""
+    """The colour of its hull; None for its start's, its model's, or one that its name decides."""
 
 
 @dataclass(frozen=True, slots=True)

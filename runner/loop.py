@@ -23,6 +23,7 @@ from fsm.fleet import Until
 from fsm.values.functions import FAILURES, EvaluationError, plain
 from hal import Options, Session, open_backend
 from hal.vehicle import PERIODS_PER_SECOND
+from runner.by_vehicle import are_alone
 from runner.call_limit import CallLimit
 from runner.course import Entered, collisions, entered
 from runner.kept_files import KeptFiles, kept_files
@@ -411,6 +412,7 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
                 if name in files.missions
                 else MissionFacts("", "", {}),
                 model=session.vehicles[name].model,
+                color=None if are_alone(plan.assignments) else session.vehicles[name].color,
             )
             for name, flown in plan.assignments.items()
         },

@@ -34,7 +34,7 @@ class Assignment:
     start: Start | None = None
     """Its start, world frame; None for one of the world's."""
     color: Rgb | None = None
-    """The colour of its hull; None for one that its name decides."""
+    """The colour of its hull; None for its start's, its model's, or one that its name decides."""
 
     @property
     def model_word(self) -> str | None:

@@ -14,10 +14,11 @@ from functools import partial
 from pathlib import Path
 
 from behaviors import Pilot
+from behaviors.channel import Draw
 from fsm.engine.instance import Record
 from hal.vehicle import Frame, Observation, Reading, Setpoint
 from runner.appended_file import AppendedFile, as_json, encode, writing
-from runner.frames import FrameFiles, PhotoFiles
+from runner.frames import FrameFiles, PhotoFiles, PictureFiles
 from runner.readings import ReadingFile
 from runner.run_folder import (
     EVENTS,
@@ -26,6 +27,7 @@ from runner.run_folder import (
     Summary,
     entry_fields,
     header_fields,
+    picture_folder,
     summary_fields,
     telemetry_files,
 )
@@ -33,6 +35,8 @@ from runner.telemetry import COLUMNS, row_of
 from vencejo.errors import UserError, Where, reason_of
 from vencejo.files import write_whole
 
+PICTURE_RATE = 5.0
+"""Annotated pictures of a name that are kept in a second, unless more are asked for."""
 _ROWS_AT_ONCE = 40
 """Rows of telemetry written together: a killed run may lose one second of them."""
 _Row = tuple[Observation, str, Sequence[str], Setpoint | None, str]
@@ -63,8 +67,12 @@ class Recorder:
     What cannot be written raises UserError (``cannot-record``).
     """
 
-    def __init__(self, folder: Path, *, frames: bool = True) -> None:
-        """``frames``: whether the camera frames that were read are kept."""
+    def __init__(
+        self, folder: Path, *, frames: bool = True, picture_rate: float = PICTURE_RATE
+    ) -> None:
+        """``frames``: whether the camera frames that were read, and annotated pictures, are kept;
+        ``picture_rate``: the most pictures of a name that are kept in a second.
+        """
         self.folder = folder
         self._sequence = 0
         self._rows: dict[str, list[_Row]] = {}
@@ -75,6 +83,7 @@ class Recorder:
         self._frames = FrameFiles(place) if frames else None
         self._unwritten_frames: list[tuple[str, str, Frame]] = []
         """Vehicle, camera and frame of every frame read but not yet written."""
+        self._pictures = PictureFiles(place, picture_rate)
         self._photos = PhotoFiles(place)
         self._unwritten_photos: list[tuple[str, str, Frame]] = []
         """Vehicle, name and frame of every photo not yet written."""
@@ -119,12 +128,23 @@ class Recorder:
         """Record the frames and readings that the behaviours of this pilot read."""
         if self._frames is not None:
             pilot.channel.on_frame = partial(self._keep_frame, pilot.vehicle.name)
+            pilot.channel.on_picture = partial(self._keep_picture, pilot)
         pilot.channel.on_photo = partial(self._keep_photo, pilot.vehicle.name)
         pilot.channel.on_reading = partial(self._keep_reading, pilot.vehicle.name)
 
     def _keep_frame(self, vehicle: str, camera: str, frame: Frame) -> None:
         # Written after the period: a full disk is no failure of the behaviour that reads a frame.
         self._unwritten_frames.append((vehicle, camera, frame))
+
+    def _keep_picture(self, pilot: Pilot, name: str, draw: Draw) -> None:
+        self._pictures.offer(pilot.vehicle.name, name, pilot.channel.now, draw)
+
+    @property
+    def picture_folders(self) -> Sequence[Path]:
+        """Where annotated pictures are, a folder of each vehicle and name, in the order in which
+        they came.
+        """
+        return [self.folder / picture_folder(*name) for name in self._pictures.names]
 
     def _keep_photo(self, vehicle: str, name: str, camera: str, frame: Frame) -> None:
         self._unwritten_photos.append((vehicle, name, frame))
@@ -145,6 +165,7 @@ class Recorder:
             self._write_rows(vehicle)
         if self._unwritten_frames:
             self._write_frames()
+        self._pictures.write()
         if self._unwritten_photos:
             self._write_photos()
         if self._unwritten_readings:
@@ -190,7 +211,13 @@ class Recorder:
     def close(self) -> None:
         """Everything is on disk after this; closing again does nothing."""
         with ExitStack() as stack:
-            files = (self._frames, self._readings, *self._telemetry.values(), self._events)
+            files = (
+                self._frames,
+                self._pictures,
+                self._readings,
+                *self._telemetry.values(),
+                self._events,
+            )
             for file in files:
                 if file is not None:
                     stack.callback(file.close)
@@ -198,6 +225,7 @@ class Recorder:
                 if rows:
                     self._write_rows(vehicle)
             self._write_frames()
+            self._pictures.write()
             self._write_photos()
             self._write_readings()
 

@@ -3,8 +3,8 @@
 This is the one place that knows the formats; docs/runs.md describes them for people. The recorder
 writes what is encoded here, and :func:`read_run` gives it back, also of a run that was killed: its
 files are only appended to in flight, so no more than their last lines can be cut off. The version
-that the first line of ``events.jsonl`` names is that of all files but ``frames.jsonl`` and
-``readings.jsonl``, which name their own.
+that the first line of ``events.jsonl`` names is that of all files but ``frames.jsonl``,
+``pictures.jsonl`` and ``readings.jsonl``, which name their own.
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
+from hal.lights import Rgb
 from hal.vehicle import Frame, Intrinsics, Reading
 from runner.by_vehicle import are_alone, joined, vehicles_of
 from runner.course import Entered
 from runner.separation import Nearest
-from runner.settings import RunSettings, settings_fields, settings_of
+from runner.settings import RunSettings, rgb, settings_fields, settings_of
 from runner.telemetry import COLUMNS, KNOWN_COLUMNS, Sample, sample_of
 from vencejo.errors import UserError, Where
 from vencejo.geometry import Point, Quaternion
@@ -30,10 +31,16 @@ from vencejo.geometry import Point, Quaternion
 EVENTS, TELEMETRY, FRAMES, SUMMARY = "events.jsonl", "telemetry.csv", "frames.jsonl", "summary.json"
 EVENTS_FORMAT, EVENTS_VERSION = "vencejo.events", 1
 FRAMES_FORMAT, FRAMES_VERSION = "vencejo.frames", 1
+PICTURES = "pictures.jsonl"
+PICTURES_FORMAT, PICTURES_VERSION = "vencejo.pictures", 1
 READINGS = "readings.jsonl"
 READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
 PICTURE = "flight.png"
-OWN_NAMES = (EVENTS, TELEMETRY, "telemetry", FRAMES, "frames", SUMMARY, READINGS, PICTURE)
+FINDINGS_GEOJSON, FINDINGS_CSV = "findings.geojson", "findings.csv"
+OWN_NAMES = (
+    *(EVENTS, TELEMETRY, "telemetry", FRAMES, "frames", PICTURES, "pictures", "photos"),
+    *(SUMMARY, READINGS, PICTURE, FINDINGS_GEOJSON, FINDINGS_CSV),
+)
 """Names in a run folder that copies of files cannot have."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130
 """Exit codes of runs that have flown."""
@@ -56,6 +63,8 @@ class MissionFacts:
     """SHA-256 of the files that the mission includes and uses, by path from its folder."""
     model: str = ""
     """The name of the vehicle's model; empty where it is not known."""
+    color: Rgb | None = None
+    """The colour of the vehicle's hull; None where it is not known, or the vehicle is alone."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +115,20 @@ class RecordedFrame:
     attitude: Quaternion
     """Camera optical frame (x right, y down, z out) to world, (x, y, z, w)."""
     intrinsics: Intrinsics
+
+
+@dataclass(frozen=True)
+class RecordedPicture:
+    """An annotated picture that a behaviour showed."""
+
+    path: Path
+    """The JPEG."""
+    vehicle: str
+    name: str
+    number: int
+    """From 1, of each vehicle and name."""
+    time: float
+    """When it was drawn, seconds of the vehicle's clock."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +225,8 @@ class Run:
     """By vehicle, in the order of time: one sample each mission period (25 ms)."""
     frames: tuple[RecordedFrame, ...]
     """Frames of cameras, in the order in which they were read."""
+    pictures: tuple[RecordedPicture, ...]
+    """Annotated pictures, in the order in which they were drawn."""
     readings: tuple[RecordedReading, ...]
     """Readings of sensors, in the order in which they were read."""
     summary: Summary | None
@@ -226,6 +251,7 @@ def header_fields(header: Header) -> dict[str, Any]:
             **({"files_sha256": dict(mission.files)} if mission.files else {}),
             "parameters": dict(mission.parameters),
             **_model_fields(mission),
+            **({"color": list(mission.color)} if mission.color else {}),
         }
         for vehicle, mission in header.missions.items()
     }
@@ -298,6 +324,27 @@ def frame_fields(
         "attitude": frame.attitude,
         **({"intrinsics": asdict(frame.intrinsics)} if with_intrinsics else {}),
     }
+
+
+def pictures_header() -> dict[str, Any]:
+    """The first line of ``pictures.jsonl``, as an object for JSON."""
+    return {"format": PICTURES_FORMAT, "version": PICTURES_VERSION}
+
+
+def picture_folder(vehicle: str, name: str) -> str:
+    """The path of the annotated pictures of a name, from the run folder."""
+    return f"pictures/{vehicle}/{name}"
+
+
+def picture_file(vehicle: str, name: str, number: int) -> str:
+    """The path of the n-th annotated picture of a name, from the run folder."""
+    return f"{picture_folder(vehicle, name)}/{number:06d}.jpg"
+
+
+def picture_fields(vehicle: str, name: str, number: int, time: float) -> dict[str, Any]:
+    """Any other line of ``pictures.jsonl``, as an object for JSON."""
+    file = picture_file(vehicle, name, number)
+    return {"t": time, "vehicle": vehicle, "name": name, "number": number, "file": file}
 
 
 def readings_header() -> dict[str, Any]:
@@ -403,6 +450,7 @@ def read_run(folder: Path | str) -> Run:
         events=tuple(_each(folder / EVENTS, lines, _entry)),
         telemetry=_telemetry(folder, header.missions, missing),
         frames=tuple(_frames(folder, missing)),
+        pictures=tuple(_pictures(folder, missing)),
         readings=tuple(_readings(folder / READINGS, missing)),
         summary=_summary(folder / SUMMARY, header, missing),
         missing=tuple(missing),
@@ -497,6 +545,7 @@ def _header_of(fields: Mapping[str, Any]) -> Header:
                 parameters=mission["parameters"],
                 files=mission.get("files_sha256", {}),
                 model=mission.get("model", ""),
+                color=rgb(mission.get("color")),
             )
             for vehicle, mission in vehicles_of(fields).items()
         },
@@ -579,10 +628,33 @@ def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
         )
 
     frames = _each(path, lines[1:], read)
-    lost = sum(not frame.path.exists() for frame in frames)
-    if lost:
-        missing.append(f"{lost} of {len(frames)} pictures are not there")
+    _note_lost([frame.path for frame in frames], missing)
     return frames
+
+
+def _note_lost(paths: Sequence[Path], missing: list[str]) -> None:
+    lost = sum(not path.exists() for path in paths)
+    if lost:
+        missing.append(f"{lost} of {len(paths)} pictures are not there")
+
+
+def _pictures(folder: Path, missing: list[str]) -> list[RecordedPicture]:
+    path = folder / PICTURES
+    if not path.exists():
+        return []  # a flight that shows no pictures leaves no such file
+    lines = _lines(path, missing)
+    if not lines:
+        return []
+    _known_format(path, lines[0], PICTURES_FORMAT, PICTURES_VERSION)
+
+    def read(line: bytes) -> RecordedPicture:
+        fields = _object(line)
+        whose = fields["vehicle"], fields["name"], fields["number"]
+        return RecordedPicture(folder / fields["file"], *whose, fields["t"])
+
+    pictures = _each(path, lines[1:], read)
+    _note_lost([picture.path for picture in pictures], missing)
+    return pictures
 
 
 def _readings(path: Path, missing: list[str]) -> list[RecordedReading]:

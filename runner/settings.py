@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,7 +28,8 @@ class MissionSettings:
     start: Start | None = None
     """The vehicle's start, world frame; None for one of the world's."""
     color: Rgb | None = None
-    """The colour of its hull; None for one that its name decides."""
+    """The colour asked for its hull; None for its start's, its model's, or one that its name
+    decides."""
 
 
 @dataclass(frozen=True)
@@ -105,14 +106,19 @@ def _asked_fields(mission: MissionSettings) -> dict[str, Any]:
 
 
 def _mission_of(fields: Mapping[str, Any]) -> MissionSettings:
-    start, color = fields.get("start"), fields.get("color")
+    start = fields.get("start")
     return MissionSettings(
         fields["mission"] or "",
         unpack(fields["parameters"]),
         fields.get("model"),
         Start(Point(*start["at"]), start["heading"]) if start else None,
-        (color[0], color[1], color[2]) if color else None,
+        rgb(fields.get("color")),
     )
+
+
+def rgb(parts: Sequence[int] | None) -> Rgb | None:
+    """A colour from its parts, as JSON has them; None for none."""
+    return (parts[0], parts[1], parts[2]) if parts else None
 
 
 def settings_of(fields: Mapping[str, Any]) -> RunSettings:

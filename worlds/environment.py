@@ -81,22 +81,34 @@ LIGHT = Field(
     _DAY,
 )
 
+_START_PLACE: dict[str, Field] = {"at": Field(SPOT), "heading": Field(ANGLE_VALUE, 0.0)}
 START: Value[tuple[Spot, float]] = record(
-    "a start",
-    {"at": Field(SPOT), "heading": Field(ANGLE_VALUE, 0.0)},
-    lambda at, heading: (at, heading),
+    "a start", _START_PLACE, lambda at, heading: (at, heading)
 )
-"""One start: its spot and its heading."""
+"""The start that a fleet gives to a vehicle: its spot and its heading."""
+_WORLD_START: Value[tuple[Spot, float, Color | None]] = record(
+    "a start",
+    _START_PLACE | {"color": Field(COLOR, None)},
+    lambda at, heading, color: (at, heading, color),
+)
 
 
-def _starts(node: YamlNode) -> list[tuple[Where, Spot, float]]:
+def _starts(node: YamlNode) -> list[tuple[Where, Spot, float, Color | None]]:
     if isinstance(node, Sequence) and not node.items:
         raise UserError("wrong-type", "an empty list of starts", node.where, "write {at: [0, 0]}")
     items = node.items if isinstance(node, Sequence) else [node]
-    return each(items, lambda item: (item.where, *START.read(item)))
+    return each(items, lambda item: (item.where, *_WORLD_START.read(item)))
 
 
 STARTS = Value(
-    _starts, {"anyOf": [START.schema, {"type": "array", "items": START.schema, "minItems": 1}]}
+    _starts,
+    {
+        "anyOf": [
+            _WORLD_START.schema,
+            {"type": "array", "items": _WORLD_START.schema, "minItems": 1},
+        ]
+    },
 )
-"""One start or a list of them; each comes with its place in the file, its spot and its heading."""
+"""One start or a list of them; each comes with its place in the file, its spot, its heading and the
+colour of the vehicle that starts there.
+"""

@@ -21,6 +21,7 @@ from worlds.markers import (
     plate_side,
 )
 from worlds.placement import ThingDraft, placed
+from worlds.roundel import roundel_parts
 from worlds.things import UPRIGHT, Color, Fiducial, Image, Mesh, Part
 from worlds.values import (
     COLOR,
@@ -158,6 +159,7 @@ KINDS: Mapping[str, Value[ThingDraft]] = {
         lambda size, **keys: figures.sign(size[0], size[1], **keys),
     ),
     "markers": placed("marker", {**FIDUCIAL, **POSTURE}, marker_parts),
+    "roundels": placed("roundel", {"size": Field(SIZE)}, roundel_parts),
     "boards": placed(
         "board",
         {

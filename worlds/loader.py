@@ -96,10 +96,12 @@ def _world(root: nodes.Mapping, source: Path, text: str, files: tuple[Path, ...]
         for kind in (*KINDS, "beacons")
         for key, draft in named[kind].entries
     )
-    written = keys.get("start") or [(root.where, Spot(0.0, 0.0), 0.0)] if "start" in keys else []
+    written = (
+        keys.get("start") or [(root.where, Spot(0.0, 0.0), 0.0, None)] if "start" in keys else []
+    )
     starts = [
-        PlannedStart(Start(place_of(terrain, spot), heading), where)
-        for where, spot, heading in written
+        PlannedStart(Start(place_of(terrain, spot), heading, color), where)
+        for where, spot, heading, color in written
     ]
     faults.extend(bad_starts(starts, things, terrain))
     faults.extend(overlapping(starts))

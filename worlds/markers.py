@@ -13,6 +13,10 @@ from worlds import figures
 from worlds.things import UPRIGHT, Charuco, Fiducial, Part
 from worlds.values import ANGLE_VALUE, SIZE, TEXT, Field, Misfit, Value, count, record
 
+_LARGEST_INSIDE = 0.4
+"""Largest side of the plate of a marker inside another one over the side of that one's black
+square: more would hide too many of its bits."""
+
 _SQUARES = {"4X4": 6, "5X5": 7, "6X6": 8, "7X7": 9}
 
 DICTIONARIES: Mapping[str, tuple[int, int]] = MappingProxyType(
@@ -59,22 +63,47 @@ DICTIONARY = Value(
 
 
 def _fiducial(keys: Mapping[str, Any]) -> Fiducial:
-    """The marker of the values of FIDUCIAL. Raises Misfit (``no-such-marker``)."""
+    """The marker of the values of FIDUCIAL.
+
+    Raises Misfit (``no-such-marker``, ``marker-too-large``).
+    """
     number, dictionary = keys["id"], keys["dictionary"]
     most = DICTIONARIES[dictionary][0] - 1
     if number > most:
         raise Misfit(
             "no-such-marker", f"{dictionary} has the markers 0 to {most}, not {number}", "id"
         )
-    return Fiducial(dictionary, number)
+    if keys.get("inside") is None:
+        return Fiducial(dictionary, number)
+    inside, size = keys["inside"]
+    side = plate_side(inside.dictionary, size)
+    if side > _LARGEST_INSIDE * keys["size"]:
+        raise Misfit(
+            "marker-too-large",
+            f"the marker inside and its white border need {side:.2f} m, which hides too much of "
+            "the outer one",
+            "inside",
+            f"{100 * _LARGEST_INSIDE:.0f} % of the outer one's size at most",
+        )
+    return Fiducial(dictionary, number, inside, side / plate_side(dictionary, keys["size"]))
 
 
-FIDUCIAL: Mapping[str, Field] = {
+_PLAIN: Mapping[str, Field] = {
     "id": Field(count(0)),
     "dictionary": Field(DICTIONARY, "4X4_50"),
     "size": Field(SIZE),
 }
-MARKER_ON_TOP = record("a marker", FIDUCIAL, lambda **keys: (_fiducial(keys), keys["size"]))
+
+
+def _sized(**keys: Any) -> tuple[Fiducial, float]:
+    return _fiducial(keys), keys["size"]
+
+
+FIDUCIAL: Mapping[str, Field] = {
+    **_PLAIN,
+    "inside": Field(record("a marker", _PLAIN, _sized), None),
+}
+MARKER_ON_TOP = record("a marker", FIDUCIAL, _sized)
 
 
 def _posture(keys: Mapping[str, Any]) -> Quaternion:

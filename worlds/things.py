@@ -34,6 +34,10 @@ class Fiducial:
     dictionary: str
     """OpenCV's name without DICT_: ``4X4_50``, ``APRILTAG_36h11``, ``ARUCO_ORIGINAL``."""
     id: int
+    inside: Fiducial | None = None
+    """A smaller one in its middle, for whoever is too near to see all of this one."""
+    share: float = 0.0
+    """Side of the plate of the one inside over the side of this one's plate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +51,12 @@ class Charuco:
     """Side of a marker over the side of a square, 0 to 1."""
 
 
-Texture = Image | Fiducial | Charuco
+@dataclass(frozen=True, slots=True)
+class Roundel:
+    """The oriented roundel, filling its plate (worlds.roundel)."""
+
+
+Texture = Image | Fiducial | Charuco | Roundel
 
 
 @dataclass(frozen=True, slots=True)

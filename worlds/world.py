@@ -69,6 +69,8 @@ class Start:
     at: Point
     heading: float
     """Counter-clockwise from east, radians."""
+    color: Color | None = None
+    """The colour of the hull of a vehicle that starts here; None for no word on it."""
 
 
 @dataclass(frozen=True, slots=True)

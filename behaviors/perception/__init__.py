@@ -6,6 +6,8 @@ measured in the world in the axes of the frame's pose. Nothing here knows behavi
 
 from behaviors.perception.blobs import Blob, blobs
 from behaviors.perception.color import ColorRange, mask, range_of, read_color
+from behaviors.perception.fiducials import Detections, Fiducial, FiducialDetector
+from behaviors.perception.marker_pose import MarkerPose, marker_pose
 from behaviors.perception.projection import (
     bearing,
     directions,
@@ -18,12 +20,17 @@ from behaviors.perception.target_filter import TargetFilter
 __all__ = [
     "Blob",
     "ColorRange",
+    "Detections",
+    "Fiducial",
+    "FiducialDetector",
+    "MarkerPose",
     "TargetFilter",
     "bearing",
     "blobs",
     "directions",
     "ground_point",
     "ground_points",
+    "marker_pose",
     "mask",
     "pixels_of",
     "range_of",

@@ -157,20 +157,10 @@ class Invocation:
     def required(self) -> set[str]:
         """The capabilities that the behaviour needs, with the values that it is given."""
         given = (*self.with_.values(), *self.live.values())
-        named = {
-            f"{parameter.names}.{word}"
-            for name, parameter in self.behavior.parameters.items()
-            if parameter.names and (word := self._known(name, parameter.default)) is not None
-        }
+        # What is only known in flight is None here.
+        known = {name: c.value() if c.constant else None for name, c in self.with_.items()}
         asked = {need for value in given for need in value.needs}
-        return {*self.behavior.requires, *asked, *named}
-
-    def _known(self, name: str, default: Any) -> Any:
-        """The value of a parameter, as far as it is known before the flight; None if it is not."""
-        given = self.with_.get(name)
-        if given is None:
-            return default
-        return given.value() if given.constant else None
+        return {*self.behavior.requires, *asked, *self.behavior.named(known)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

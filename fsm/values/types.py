@@ -143,6 +143,7 @@ WAYPOINT = MapOf(
 )
 ROUTE = ListOf(ANY, "a route")
 AREA = ListOf(POINT, "an area")
+AREAS = ListOf(AREA)
 NAMED: Mapping[str, Type] = MappingProxyType(
     {
         "number": BARE,

@@ -1,4 +1,4 @@
-"""Textures as pixels: image files, markers and boards, each with coarser versions of itself."""
+"""Textures as pixels: image files, markers, boards and roundels, with coarser versions of each."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ import numpy as np
 
 from hal.scene.arrays import Pixels
 from vencejo.errors import UserError, Where
-from worlds.things import Charuco, Fiducial, Image, Texture
+from worlds import roundel
+from worlds.things import Charuco, Fiducial, Image, Roundel, Texture
 
 _MODULE = 64
 """Texels along a module (bit) of a marker, and so along its white border."""
 _LARGEST = 2048
 """Pixels along an image; larger files are scaled down to it."""
+_ROUNDEL = 512
+"""Texels along the diameter of a roundel's disc."""
 
 
 class Mipmap:
@@ -65,6 +68,8 @@ def mipmap_of(texture: Texture | Bitmap) -> Mipmap:
         return load_image(texture.path)
     if isinstance(texture, Fiducial):
         return Mipmap(_with_alpha(_marker(texture)))
+    if isinstance(texture, Roundel):
+        return Mipmap(_with_alpha(_roundel()))
     return Mipmap(_with_alpha(_board(texture)))
 
 
@@ -113,7 +118,20 @@ def _marker(fiducial: Fiducial) -> Pixels:
         )
     modules = dictionary.markerSize + 2
     black = cv2.aruco.generateImageMarker(dictionary, fiducial.id, modules * _MODULE)
-    return np.pad(black, _MODULE, constant_values=255)
+    plate = np.asarray(np.pad(black, _MODULE, constant_values=255), np.uint8)
+    if fiducial.inside is not None:
+        _put_inside(plate, _marker(fiducial.inside), fiducial.share)
+    return plate
+
+
+def _put_inside(plate: Pixels, inside: Pixels, share: float) -> None:
+    """Draw a smaller plate in the middle of another one."""
+    side = len(plate)
+    # As many texels on both sides, so that it is in the very middle.
+    margin = round(side * (1 - share) / 2)
+    left = side - 2 * margin
+    scaled = cv2.resize(inside, (left, left), interpolation=cv2.INTER_AREA)
+    plate[margin : side - margin, margin : side - margin] = scaled
 
 
 def _board(charuco: Charuco) -> Pixels:
@@ -123,3 +141,20 @@ def _board(charuco: Charuco) -> Pixels:
     board = cv2.aruco.CharucoBoard(size, 1.0, charuco.marker, dictionary)
     square = 8 * _MODULE
     return np.asarray(board.generateImage((size[0] * square, size[1] * square)), np.uint8)
+
+
+def _roundel() -> Pixels:
+    """The oriented roundel in grey, with the line at its right."""
+    side, middle = round(roundel.PLATE * _ROUNDEL), round(roundel.PLATE * _ROUNDEL / 2)
+    image = np.full((side, side), 255, np.uint8)
+    cv2.circle(image, (middle, middle), _ROUNDEL // 2, 0, cv2.FILLED, cv2.LINE_AA)
+    _fill(image, (middle, middle), roundel.HOLE, 255)
+    _fill(image, (middle + round(roundel.LINE_AT * _ROUNDEL), middle), roundel.LINE, 0)
+    return image
+
+
+def _fill(image: Pixels, centre: tuple[int, int], size: tuple[float, float], grey: int) -> None:
+    """Fill an upright rectangle of a roundel; its size is in diameters of the disc."""
+    x, y = centre
+    half_width, half_height = (round(side * _ROUNDEL / 2) for side in size)
+    image[y - half_height : y + half_height, x - half_width : x + half_width] = grey

@@ -7,7 +7,7 @@ from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 
-from hal.scene.appearance import quadrotor
+from hal.scene.appearance import color_of, quadrotor
 from hal.scene.lamps import lamp_things
 from hal.sim.air import Air
 from hal.sim.battery import Battery
@@ -115,13 +115,16 @@ class SimSession:
         self._vehicles = MappingProxyType({vehicle.name: vehicle for vehicle in self._all})
         context = RenderContext(world, settings.renderer, settings.shadows, options.seed)
         self._render_context = context
-        for vehicle, model, spec, specs in zip(
-            self._all, models, options.vehicles, fitted, strict=True
-        ):
+        asked = [
+            spec.color or start.color or model.color
+            for spec, start, model in zip(options.vehicles, starts, models, strict=True)
+        ]
+        for vehicle, model, color, specs in zip(self._all, models, asked, fitted, strict=True):
             name = vehicle.name
+            vehicle.color = color or color_of(name)
             context.pose_histories[name] = vehicle.dynamics.pose_history
             context.appearances[name] = quadrotor(
-                name, arm=model.rotors.arm, size=model.size, color=spec.color or model.color
+                name, arm=model.rotors.arm, size=model.size, color=vehicle.color
             )
             context.lamps[name] = vehicle.lamps
             if not alone:

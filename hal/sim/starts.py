@@ -10,7 +10,7 @@ from vencejo.errors import UserError
 from vencejo.geometry import Point
 from worlds.starts import PlannedStart, bad_starts, overlapping, starts_for
 from worlds.terrain import highest_under
-from worlds.things import Terrain
+from worlds.things import Color, Terrain
 from worlds.world import Start, World
 
 
@@ -20,6 +20,8 @@ class StartPose(NamedTuple):
     home: Point
     """The place of the start in the world."""
     heading: float
+    color: Color | None
+    """That the world gives to a vehicle that starts here."""
     raised: float
     """Height of its skids above home: on a slope it drops on its uphill side."""
 
@@ -46,7 +48,7 @@ def start_poses(
     if faults:
         raise UserError.of(faults)
     return [
-        StartPose(start.at, start.heading, _raised(terrain, start, size))
+        StartPose(start.at, start.heading, start.color, _raised(terrain, start, size))
         for start, size in zip(starts, sizes, strict=True)
     ]
 

@@ -35,7 +35,7 @@ from vencejo.geometry import Point, horizontal_distance, wrap, yaw_of
 
 _ORIGIN = Point(0.0, 0.0, 0.0)
 _CAPABILITIES = frozenset(
-    {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+    {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land", "land.moving"}
     | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
     | {"battery", "battery.swap", "terrain"}
 )
@@ -64,6 +64,9 @@ class SimVehicle(BaseVehicle):
     Its position is that of the point between the skids, straight below the centre of mass: z is 0
     when it stands on the ground.
     """
+
+    _lands_with: Point | None = None
+    """Velocity over the ground with which it lands, world frame, m/s; None over one place."""
 
     def __init__(
         self,
@@ -254,16 +257,25 @@ class SimVehicle(BaseVehicle):
         self._enter("taking-off")
         return UNDER_WAY
 
-    def _decide_land(self) -> Decision:
+    def _decide_land(self, moving: Point | None = None) -> Decision:
         if self._mode == "landed":
             return self._decide_disarm()
         if self._mode == "stopped":
             return refused("the motors are stopped")
         if self._mode != "landing":
-            self._brake()
-            self._controller.turn(0.0)
             self._enter("landing")
+            self._come_down(moving)
+            self._controller.turn(0.0)
         return UNDER_WAY
+
+    def _come_down(self, moving: Point | None) -> None:
+        """Land over one place, or with a velocity over the ground."""
+        self._lands_with = moving
+        if moving is None:
+            self._brake()
+        else:
+            self._controller.fly_at(moving.x, moving.y, 0.0)
+            self._braking = False
 
     def _decide_return_home(self) -> Decision:
         away = horizontal_distance(self._position(), self._home)
@@ -313,6 +325,7 @@ class SimVehicle(BaseVehicle):
         self._contacts.restart_rest()
         self._touchdown.restart()
         self._holding = False
+        self._lands_with = None
         # The lowest altitude does not bind take-off, landing and return.
         self._controller.min_altitude = -inf
 
@@ -548,9 +561,15 @@ class SimVehicle(BaseVehicle):
         elif verdict == "capsized":
             self._stop_motors(f"it has capsized on the {self._below()}")
         else:
-            self._hold_when_at_rest()
+            self._follow_landing()
             sinking = max(_TOUCHDOWN_SPEED, min(height, self._controller.max_climb))
             self._controller.climb_at(-sinking)
+
+    def _follow_landing(self) -> None:
+        """Land with the velocity that it was asked for last; without one, stop and stay there."""
+        if self.landing_with != self._lands_with:
+            self._come_down(self.landing_with)
+        self._hold_when_at_rest()
 
     def _leave(self) -> None:
         """Rise from what it does not stand on, and hold there."""

@@ -1,13 +1,20 @@
-"""Limits and lights that missions set by `call`."""
+"""Limits and lights that missions set by `call`, and pictures that they keep."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 import pytest
 
 from hal import Lights
-from hal.vehicle import Velocity
+from hal.base import BaseVehicle
+from hal.fake import FakeVehicle
+from hal.vehicle import Frame, Intrinsics, Velocity
 from tests.behaviors.flying import Rig
 from vencejo.errors import UserError
+from vencejo.geometry import Point
 
 ROOM = """
 mission: out_of_the_room
@@ -39,8 +46,10 @@ def test_a_low_ceiling_indoors_is_raised_outside() -> None:
     assert rig.pilot.outcome == "done" and rig.vehicle.position.z == 0
 
 
-def call(*actions: str) -> Rig:
-    """A mission that calls these while it hovers, and goes on after errors."""
+def call(*actions: str, photos: list[tuple[str, str]] | None = None) -> Rig:
+    """A mission that calls these while it hovers, and goes on after errors; the name and camera of
+    each photo is added to ``photos``.
+    """
     entry = "[" + ", ".join(f"{{call: {action}}}" for action in actions) + "]"
     rig = Rig(
         "mission: m\nstates:\n  up: {do: takeoff, on: {done: fly, failed: down}}\n"
@@ -48,6 +57,8 @@ def call(*actions: str) -> Rig:
         'on: {error.execution: {actions: {log: "$event.message"}}}}\n'
         "  down: {do: land, on: {done: end, failed: end}}\n  end: {type: final}\n"
     )
+    if photos is not None:
+        rig.pilot.channel.on_photo = lambda name, camera, frame: photos.append((name, camera))
     rig.until_in("fly")
     rig.period()
     rig.period()
@@ -102,3 +113,64 @@ def test_a_limit_holds_for_set_points() -> None:
     rig.vehicle.command(Velocity(x=3.0))
     rig.session.wait()
     assert rig.vehicle.observe().velocity.x == pytest.approx(0.5)
+
+
+class Still:
+    """A camera that shows one frame."""
+
+    def __init__(self, frame: Frame | None) -> None:
+        self.frame = frame
+
+    def latest(self) -> Frame | None:
+        return self.frame
+
+
+@pytest.fixture
+def picture(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Rig, list[Any]]]:
+    """Runs a mission with an action that keeps a picture; gives it, and the photos kept."""
+
+    def run(
+        action: str, active: str | None = "ventral", covered: bool = False
+    ) -> tuple[Rig, list[Any]]:
+        image, lens = np.zeros((8, 10, 3), np.uint8), Intrinsics.from_field_of_view(10, 8, 1.0)
+        frame = Frame(image, 7, 0.1, lens, Point(0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+        cameras = {"front": Still(frame), "ventral": Still(None if covered else frame)}
+        kept: list[Any] = []
+        monkeypatch.setattr(FakeVehicle, "active_camera", active)
+        monkeypatch.setattr(
+            FakeVehicle,
+            "camera",
+            lambda self, name: cameras[name] if name in cameras else BaseVehicle.camera(self, name),
+        )
+        return call(action, photos=kept), kept
+
+    return run
+
+
+def test_a_picture_of_the_active_camera_is_kept_under_its_name(
+    picture: Callable[..., tuple[Rig, list[Any]]],
+) -> None:
+    assert picture('{save_picture: {name: "tag_${3 + 4}"}}')[1] == [("tag_7", "ventral")]
+    named = "{save_picture: {name: gate, camera: front}}"
+    assert picture(named, active=None)[1] == [("gate", "front")]
+
+
+@pytest.mark.parametrize(
+    ("action", "active", "covered", "told"),
+    [
+        ('{save_picture: {name: "../x"}}', "ventral", False, "'../x' is no name of a picture"),
+        ("{save_picture: {name: x}}", None, False, "say which `camera` the picture is of"),
+        ("{save_picture: {name: x}}", "ventral", True, "'ventral' has taken no picture yet"),
+        ("{save_picture: {name: x, camera: rear}}", "ventral", False, "rear"),
+    ],
+)
+def test_a_picture_that_cannot_be_kept(
+    picture: Callable[..., tuple[Rig, list[Any]]],
+    action: str,
+    active: str | None,
+    covered: bool,
+    told: str,
+) -> None:
+    rig, kept = picture(action, active, covered)
+    assert kept == []
+    assert told in logged(rig)

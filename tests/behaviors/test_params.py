@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from math import inf, pi
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -25,6 +27,8 @@ from behaviors.behavior import name_of
 from behaviors.params import fields_of, parameters_of
 from fsm.values.types import ANY, AREA, BOOL, HEADING, POINT, ROUTE, ListOf, Number, Text
 from vencejo.units import ANGLE, LENGTH, SPEED, TIME
+
+ROOT = Path(__file__).parents[2]
 
 
 class Everything(BehaviorParams):
@@ -162,12 +166,9 @@ def test_a_behaviour_is_described() -> None:
 
 def test_all_shipped_behaviours_say_what_they_are_for() -> None:
     catalog = Registry()
-    names = [
-        *("follow_path", "goto", "hover", "land", "move", "orbit", "photo", "reset"),
-        *("return_home", "route", "search_spiral", "survey", "takeoff", "trim"),
-    ]
-    assert list(catalog) == names
-    assert len(catalog) == 14
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert list(catalog) == sorted(project["entry-points"]["vencejo.behaviors"])
+    assert len(catalog) == len(list(catalog))
     for name, info in catalog.items():
         assert info.help, name
         for parameter in info.parameters.values():
@@ -175,3 +176,20 @@ def test_all_shipped_behaviours_say_what_they_are_for() -> None:
             if isinstance(parameter.type, Number) and parameter.default is not None:
                 assert parameter.type.min <= parameter.default <= parameter.type.max
     assert "goto" in catalog and "gogo" not in catalog
+
+
+def test_the_camera_that_a_parameter_names_is_needed_by_default_too() -> None:
+    class Look(Behavior):
+        """Looks."""
+
+        class Params(BehaviorParams):
+            camera: str = param("ventral", names="camera")
+            other: str | None = param(None, names="camera")
+
+    info = describe(Look)
+    assert list(info.named({})) == ["camera.ventral"]
+    assert list(info.named({"camera": "front", "other": "left"})) == [
+        "camera.front",
+        "camera.left",
+    ]
+    assert list(info.named({"camera": None})) == []

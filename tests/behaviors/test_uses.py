@@ -308,7 +308,11 @@ def test_an_action_is_called(
         ("leds", "missing-key", None),
         ("{leds: {colour: red}}", "unknown-key", "did you mean 'color'?"),
         ("{leds: {color: red, rate: fast}}", "wrong-type", None),
-        ("helper", "unknown-function", "known: camera, leds, lights, limits, swap_battery"),
+        (
+            "helper",
+            "unknown-function",
+            "known: camera, leds, lights, limits, save_picture, swap_battery",
+        ),
     ],
 )
 def test_a_call_is_checked(tmp_path: Path, call: str, code: str, hint: str | None) -> None:

@@ -65,7 +65,7 @@ class Jitter(Behavior):
 """
 WORLD = """\
 world: here
-ground: {texture: ../pictures/grass.png}
+ground: {texture: ../images/grass.png}
 """
 
 
@@ -98,14 +98,14 @@ def assert_the_same(folder: Path, other: Path) -> None:
 
 
 def test_a_run_with_all_its_settings_is_repeated_to_the_last_byte(write: Write) -> None:
-    for folder in ("missions/code", "missions/parts", "worlds", "pictures"):
+    for folder in ("missions/code", "missions/parts", "worlds", "images"):
         Path(folder).mkdir(parents=True)
     write("missions/all.yaml", MISSION)
     write("missions/parts/there.yaml", THERE)
     write("missions/code/jitter.py", CODE)
     write("worlds/here.yaml", WORLD)
     write("cams.yaml", "front: {width: 64, height: 48, noise: 3}\nback: {pan: 180 deg}")
-    cv2.imwrite("pictures/grass.png", np.full((8, 8, 3), 90, np.uint8))
+    cv2.imwrite("images/grass.png", np.full((8, 8, 3), 90, np.uint8))
     given = ("--seed", "5", "--noise", "1", "--cameras", "cams.yaml", "--camera", "ventral:off")
     limits = ("--limit", "indoor", "--limit", "max_speed=80cm/s", "--shadows", "--call-limit", "9s")
     wind = ("--wind", "2m/s@270deg,turbulence=light")
@@ -127,11 +127,11 @@ def test_a_run_with_all_its_settings_is_repeated_to_the_last_byte(write: Write) 
     assert set(settings["parameters"]) == {"height", "side", "corners", "word"}
     assert set(settings["files"]) == {
         *("all.yaml", "parts/there.yaml", "code/jitter.py", "cams.yaml"),
-        *("worlds/here.yaml", "pictures/grass.png"),
+        *("worlds/here.yaml", "images/grass.png"),
     }
     assert (settings["world"], settings["camera_file"]) == ("worlds/here.yaml", "cams.yaml")
     # Nothing but the run folder is left of it.
-    for name in ("missions", "worlds", "pictures"):
+    for name in ("missions", "worlds", "images"):
         shutil.rmtree(name)
     Path("cams.yaml").unlink()
     assert again(folder).code == 0

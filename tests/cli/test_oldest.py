@@ -18,7 +18,9 @@ TESTS = (
     "tests/runner/test_pace.py",
     "tests/runner/test_recorder.py",
     "tests/runner/test_run_folder.py",
+    "tests/behaviors/perception",
     "tests/hal/test_contract.py",
+    "tests/hal/test_sim_cameras.py",
     "tests/fsm",
 )
 

@@ -18,6 +18,7 @@ from cli.plot.axes import Scale, axes_from_above
 from cli.plot.canvas import Box, Canvas, text_width
 from cli.plot.flight import flights_of, world_of
 from cli.plot.lanes import Bar, lanes_of
+from cli.vehicle_colors import vehicle_colors
 from runner import read_run
 from runner.telemetry import Sample
 from tests.cli.run_cli import run_cli
@@ -167,6 +168,46 @@ def test_a_legend_of_many_states_is_never_cut(tmp_path: Path) -> None:
     dark = (tall < 128).all(axis=2)
     assert not dark[:, -4:].any() and not dark[-3:].any()
     assert dark[592 + 44 :].any(axis=1).sum() > 6 * rows
+
+
+FLEET = """\
+fleet: three
+world: coloured.yaml
+vehicles:
+  cat: {mission: hop.yaml, color: magenta}
+  mouse: {mission: hop.yaml}
+  dog: {mission: hop.yaml, color: magenta}
+"""
+HOP = """\
+mission: hop
+states:
+  up: {do: takeoff, with: {altitude: 2 m}, on: {done: down}}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+COLOURED = "world: coloured\nstart: [{at: [0, 0]}, {at: [3, 0], color: green}, {at: [6, 0]}]\n"
+
+
+def test_vehicles_are_drawn_in_the_colours_of_their_hulls(tmp_path: Path) -> None:
+    for name, text in (("three", FLEET), ("hop", HOP), ("coloured", COLOURED)):
+        (tmp_path / f"{name}.yaml").write_text(text)
+    assert run_cli("run", "three.yaml", "--runs-dir", "runs").code == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    facts = read_run(folder).header.missions
+    asked = {name: facts[name].color for name in facts}
+    assert asked == {"cat": (210, 40, 200), "mouse": (30, 170, 50), "dog": (210, 40, 200)}
+    legend = cv2.imread(str(folder / "flight.png"))[592:]
+    for color in ((210, 40, 200), (30, 170, 50), (31, 119, 180)):
+        pixels = (abs(legend.astype(int) - color[::-1]) < 8).all(axis=2)
+        assert pixels.sum() > 100, "the second magenta one has a colour of its own"
+
+
+def test_colours_can_be_seen_and_told_apart() -> None:
+    spare = [(1, 100, 200), (200, 100, 1), (100, 200, 1)]
+    hulls = {"a": (255, 255, 255), "b": (0, 0, 0), "c": (255, 250, 255), "d": None}
+    found = vehicle_colors(hulls, spare)
+    assert found["a"] == (180, 180, 180) and found["b"] == (45, 45, 45)
+    assert found["c"] == spare[0] and found["d"] == spare[1]
 
 
 FAR = """\

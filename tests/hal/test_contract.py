@@ -296,6 +296,36 @@ def test_lands_out_of_full_speed_without_harm(session: Session) -> None:
     assert vehicle.observe().health == ()
 
 
+def test_comes_down_with_a_velocity_that_may_change(session: Session) -> None:
+    needs(session, "land.moving")
+    vehicle = take_off(session, 6.0)
+    order = vehicle.land(Point(0.5, 0.0, 0.0))
+    seen = wait(session, 1.5)[-1]
+    assert order.state == "accepted" and seen.mode == "landing"
+    assert (seen.velocity.x, seen.velocity.y) == pytest.approx((0.5, 0.0), abs=0.05)
+    assert vehicle.land(Point(0.0, -0.4, 0.0)) is order
+    seen = wait(session, 0.75)[-1]
+    assert (seen.velocity.x, seen.velocity.y) == pytest.approx((0.0, -0.4), abs=0.05)
+    assert vehicle.land() is order
+    finish(session, order, 15)
+    landed = vehicle.observe().position
+    assert distance(landed, seen.position._replace(z=0.0)) < 0.25
+
+
+def test_a_velocity_to_land_with_is_finite(session: Session) -> None:
+    vehicle = needs(session, "land.moving")
+    with pytest.raises(ValueError, match="finite"):
+        vehicle.land(Point(float("nan"), 0.0, 0.0))
+
+
+def test_a_vehicle_that_cannot_land_on_what_moves_says_so(session: Session) -> None:
+    vehicle = only(session)
+    if "land.moving" in vehicle.capabilities:
+        pytest.skip("this vehicle can")
+    with pytest.raises(Unavailable, match="cannot land on what moves"):
+        vehicle.land(Point(1.0, 0.0, 0.0))
+
+
 BALL = "world: w\nspheres: {ball: {at: [4, 0], radius: 1 m}}\n"
 UNSTABLE = {"vehicle.unstable": {"thing": "ball"}}
 

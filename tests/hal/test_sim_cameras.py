@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tracemalloc
 from collections.abc import Mapping
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 from hal.engines import open_engine
+from hal.lights import Rgb
 from hal.scene.appearance import color_of
 from hal.scene.transforms import rotation_matrix
 from hal.sim import CameraSpec, SimSession, open_session
@@ -26,7 +28,7 @@ from tests.hal.flying import LONG, named
 from tests.hal.scenes import ROAD, marker, town, world_of
 from vencejo.errors import UserError
 from vencejo.geometry import Point, turned
-from worlds.world import World
+from worlds.world import Start, World
 
 ROOT = Path(__file__).parents[2]
 AHEAD, DOWN = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
@@ -230,15 +232,34 @@ def test_vehicles_see_each_other_and_not_themselves() -> None:
         assert shown[0] > 300 and shown[1] == 0
 
 
-def test_the_colour_of_a_vehicle_may_be_chosen() -> None:
-    pink = (250, 10, 160)
-    vehicles = VehicleSpec("cat"), VehicleSpec("mouse", color=pink)
-    with SimSession(Options(vehicles), world_of(), open_engine()) as session:
+PINK, LIME, BLACK = (250, 10, 160), (120, 250, 10), (40, 40, 45)
+
+
+@pytest.mark.parametrize(
+    ("asked", "start", "model", "seen"),
+    [
+        (PINK, LIME, "crazyflie", PINK),
+        (None, LIME, "crazyflie", LIME),
+        (None, None, "crazyflie", BLACK),
+        (None, LIME, None, LIME),
+        (None, None, None, color_of("mouse")),
+    ],
+)
+def test_a_fleet_decides_on_a_colour_then_the_world_the_model_and_the_name(
+    asked: Rgb | None, start: Rgb | None, model: str | None, seen: Rgb
+) -> None:
+    world = replace(
+        world_of(),
+        starts=(Start(Point(0.0, 0.0, 0.0), 0.0), Start(Point(2.0, 0.0, 0.0), 0.0, start)),
+    )
+    vehicles = VehicleSpec("cat"), VehicleSpec("mouse", model, color=asked)
+    with SimSession(Options(vehicles), world, open_engine()) as session:
         session.wait()
+        assert session.vehicles["mouse"].color == seen
         taken = session.vehicles["cat"].camera("front").latest()
         assert taken is not None
-        seen = np.abs(taken.image.astype(int) - pink[::-1]).max(2) < 60
-        assert seen.sum() > 300
+        shown = np.abs(taken.image.astype(int) - seen[::-1]).max(2) < 30
+        assert shown.sum() > (10 if model else 300)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import cos, hypot, pi, radians, sin, tan
 
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from hal.engines import open_engine
 from hal.orders import Order
 from hal.sim import SimSession
-from hal.vehicle import Observation, Options, Position, Vehicle
+from hal.vehicle import PERIOD, Observation, Options, Position, Vehicle
 from tests.hal.engines import ENGINES
 from tests.hal.flying import finish, named, only, session_of, take_off, told, wait, wait_until
 from tests.hal.scenes import thing_of, turned, world_of
@@ -362,3 +363,37 @@ def test_beside_the_pad_it_lands_on_the_ground() -> None:
         wait(session, 8, Position(Point(5, 3, HOVER)))
         finish(session, vehicle.land(), 10)
         assert vehicle.observe().position == pytest.approx((5, 3, 0), abs=0.02)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+def test_it_stands_where_it_came_down_with_the_velocity_of_what_moves(
+    engine: str, speed: float
+) -> None:
+    """Without a slip at the touch, and without a hit."""
+    motion = Motion((Point(0.0, 4.0, 0.3), Point(200.0, 4.0, 0.3)), speed, False, False)
+    pad = thing_of("pad", Cuboid(Point(1.2, 1.2, 0.3)), (0, 4, 0.15))
+    pad = replace(pad, parts=(replace(pad.parts[0], at=Point(0, 0, -0.15)),), motion=motion)
+    with session_of(world_of(pad), engine=engine) as session:
+        vehicle = take_off(session, 2.0)
+
+        def beside() -> Point:
+            """The vehicle's place on the pad."""
+            seen = vehicle.observe()
+            return seen.position.minus(pose_at(pad, seen.time)[0])
+
+        along = Point(speed, 0.0, 0.0)
+        for _ in range(400):
+            x, y, z = pose_at(pad, vehicle.observe().time + PERIOD)[0]
+            vehicle.command(Position(Point(x, y, z + 0.4), along))
+            session.wait()
+        order, touched = vehicle.land(along), None
+        while not order.ended:
+            session.wait()
+            assert not vehicle.observe().events
+            touched = touched or (beside() if beside().z < 0.005 else None)
+        assert order.state == "done" and touched is not None
+        assert distance(touched[:2], (0, 0)) < 0.1
+        assert distance(beside()[:2], touched[:2]) < 0.005
+        wait(session, 5)
+        assert distance(beside()[:2], touched[:2]) < 0.01 and abs(beside().z) < 0.005

@@ -10,7 +10,7 @@ import pytest
 
 from hal.scene.textures import Bitmap, Mipmap, load_image, mipmap_of, uniform_image
 from vencejo.errors import UserError
-from worlds.things import Charuco, Fiducial, Image
+from worlds.things import Charuco, Fiducial, Image, Roundel
 
 
 def shape(mipmap: Mipmap, step: float) -> tuple[int, ...]:
@@ -117,6 +117,22 @@ def test_a_marker_is_found_with_its_number(dictionary: str, id_: int, modules: i
     assert corners[0][0, 0] == pytest.approx((64, 64), abs=2)
 
 
+def test_a_marker_inside_another_one_is_in_its_middle() -> None:
+    pixels = mipmap_of(Fiducial("6X6_250", 5, Fiducial("4X4_50", 9), 0.256)).level(0.0)
+    middles = []
+    for dictionary, id_, side in (("6X6_250", 5, 512), ("4X4_50", 9, 0.256 * 640 * 6 / 8)):
+        known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
+        settings = cv2.aruco.DetectorParameters()
+        settings.errorCorrectionRate = 1.0
+        corners, found, _ = cv2.aruco.ArucoDetector(known, settings).detectMarkers(
+            np.ascontiguousarray(pixels[..., :3])
+        )
+        assert found is not None and found.reshape(-1).tolist() == [id_]
+        assert np.ptp(corners[0][0, :, 0]) == pytest.approx(side, abs=3)
+        middles.append(corners[0][0].mean(axis=0))
+    assert middles[0] == pytest.approx(middles[1], abs=1)
+
+
 @pytest.mark.parametrize(
     ("texture", "code", "hint"),
     [
@@ -145,3 +161,27 @@ def test_a_board_has_its_columns_rows_and_corners() -> None:
     assert ids.reshape(-1).tolist() == [*range(8)]
     assert markers.size == 7
     assert corners.reshape(-1, 2)[0] == pytest.approx((64 + 511.5, 64 + 511.5), abs=2)
+
+
+@pytest.mark.parametrize(
+    ("right", "up", "grey"),
+    [
+        (0.0, 0.0, 255),  # the rectangle in the disc
+        (0.08, 0.23, 255),
+        (0.12, 0.0, 0),  # the disc
+        (0.0, 0.27, 0),
+        (0.0, -0.48, 0),
+        (-0.48, 0.0, 0),
+        (0.52, 0.0, 255),
+        (0.65, 0.58, 0),  # the line
+        (0.75, -0.58, 0),
+        (0.7, 0.62, 255),
+        (0.79, 0.0, 255),
+        (-0.7, 0.0, 255),  # none at the left
+    ],
+)
+def test_a_roundel_in_diameters_of_its_disc(right: float, up: float, grey: int) -> None:
+    pixels = mipmap_of(Roundel()).level(0.0)
+    side = len(pixels)
+    row, column = round(side * (0.5 - up / 1.8)), round(side * (0.5 + right / 1.8))
+    assert pixels[row, column].tolist() == [grey, grey, grey, 255]

@@ -447,6 +447,7 @@ def test_what_is_written_is_what_is_read(header: Header, data: st.DataObject) ->
             events=tuple(events),
             telemetry={name: tuple(samples) for name, samples in telemetry.items()},
             frames=(),
+            pictures=(),
             readings=(),
             summary=None,
             missing=("summary.json is not there",),

@@ -136,6 +136,14 @@ OTHER_FAULTS = [
         W + "boxes: {m: " + BOX + ", marker: {id: 1, size: 0.9}}}\n",
         ["2:50 marker-too-large"],
     ),
+    (
+        W + "markers: {m: {at: [9, 9], id: 1, size: 1, inside: {id: 2, size: 0.4}}}\n",
+        ["2:51 marker-too-large"],
+    ),
+    (
+        W + "markers: {m: {at: [9, 9], id: 1, size: 1, inside: {id: 50, size: 0.1}}}\n",
+        ["2:56 no-such-marker"],
+    ),
     (W + "markers: {m: {at: [9, 9], size: 1, id: 1, lean: 10 deg}}\n", ["2:49 lies-flat"]),
     (
         W + "boards: {b: {at: [9, 9], columns: 9, rows: 12, square: 0.1, marker: 0.08}}\n",

@@ -18,7 +18,7 @@ from worlds.markers import DICTIONARIES, plate_side
 from worlds.motion import pose_at
 from worlds.solids import bounds_of, part_pose, solid_parts, top_of
 from worlds.terrain import height_at
-from worlds.things import Charuco, Fiducial, Plate, Thing
+from worlds.things import Charuco, Fiducial, Plate, Roundel, Thing
 
 ROOT = Path(__file__).parents[2]
 
@@ -104,6 +104,18 @@ def test_a_marker_can_face_anywhere(
     assert turned((0, 1, 0), attitude) == pytest.approx(up, abs=1e-12)
 
 
+def test_a_roundel_lies_with_its_disc_around_its_place_and_points_where_it_heads() -> None:
+    roundel = only("roundels: {r: {at: [1, 2], size: 30 cm, heading: 90 deg}}")
+    (part,) = roundel.parts
+    assert part.shape == Plate(pytest.approx(0.54), pytest.approx(0.54))
+    assert part.texture == Roundel()
+    at, attitude = part_pose(part, roundel.at, roundel.attitude)
+    assert at == Point(1, 2, 0)
+    assert turned((0, 1, 0), attitude) == pytest.approx((0, 1, 0)), "its upper edge is ahead"
+    assert turned((0, 0, 1), attitude) == pytest.approx((0, 0, 1))
+    assert solid_parts(roundel) == ()
+
+
 def test_a_board_has_the_size_of_its_squares() -> None:
     board = only("boards: {b: {at: [1, 2], columns: 5, rows: 7, square: 47.5 mm, marker: 28.5 mm}}")
     (part,) = board.parts
@@ -127,6 +139,16 @@ def test_a_marker_on_a_box_moves_with_it() -> None:
     at, attitude = pose_at(pad, 4.5)
     assert (at, yaw_of(attitude)) == (Point(0, 4.5, 0), pytest.approx(pi / 2))
     assert part_pose(pad.parts[1], at, attitude)[0] == pytest.approx((0, 4.5, 0.21))
+
+
+def test_a_marker_can_have_another_one_inside() -> None:
+    nested = "id: 5, size: 0.5, dictionary: 6X6_250, inside: {id: 9, size: 0.12}"
+    lying = only(f"markers: {{m: {{at: [0, 0], {nested}}}}}").parts[0]
+    on_top = only(f"boxes: {{b: {{at: [0, 0], size: [1, 1, 1], marker: {{{nested}}}}}}}").parts[1]
+    assert lying.texture == on_top.texture
+    assert isinstance(lying.texture, Fiducial) and lying.shape == Plate(0.625, 0.625)
+    assert lying.texture.inside == Fiducial("4X4_50", 9)
+    assert lying.texture.share == pytest.approx(0.16 / 0.625)
 
 
 def test_a_smooth_path_goes_through_its_points() -> None:

@@ -74,6 +74,13 @@ def test_reads_all_there_is(tmp_path: Path) -> None:
     assert world.source == file and len(world.sha256) == 64
 
 
+def test_a_start_may_say_the_colour_of_its_vehicle(tmp_path: Path) -> None:
+    starts = "start: [{at: [0, 0], color: red}, {at: [2, 0]}, {at: [4, 0], color: [1, 2, 3]}]"
+    world = load_world(write(tmp_path, f"world: bare\n{starts}\n"))
+    assert [start.color for start in world.starts] == [(220, 30, 30), None, (1, 2, 3)]
+    assert faults(tmp_path, "world: w\nstart: {at: [0, 0], color: rod}\n") == ["2:28 unknown-color"]
+
+
 def test_a_name_is_enough(tmp_path: Path) -> None:
     world = load_world(write(tmp_path, "world: bare\n"))
     assert (world.things, world.roads, dict(world.places)) == ((), (), {})
