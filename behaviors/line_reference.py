@@ -14,7 +14,6 @@ from itertools import pairwise
 from math import hypot, inf, pi, sqrt
 
 from behaviors.guidance import (
-    ACCELERATION,
     CATCH_UP,
     MAX_LEAD,
     SMOOTHING,
