@@ -50,12 +50,16 @@ _HOLE = 0.25
 """Of the width: what interrupts a cut less than this is on the road."""
 _SPARE = 1.5
 """Of the width: the longest part of a line that is taken back before a corner or an end."""
+_RAYS = (-0.2, -0.1, 0.0, 0.1, 0.2)
+"""Of the width: beside the line, along which its end is looked for."""
 _FAN = 0.45
 """Angle within which the road may go on beyond a gap, radians to each side."""
 _RINGS = (0.95, 1.8, 3.0)
 """Of the width: the distances from a corner at which the ways out are looked for."""
 _DIRECTIONS = 72
 """On such a ring."""
+_AHEAD = 0.35
+"""Angle from straight ahead within which a way out is no turn, radians."""
 _BEHIND = 0.9
 """Angle from the way back within which no way leads out, radians, at the nearest ring."""
 
@@ -248,11 +252,15 @@ class _Tracer:
         end = last._replace(x=along(last, far)[0], y=along(last, far)[1], curvature=0.0)
         if not self._is_on_road(end):
             return "none"
-        if self._turn(end):
+        if self._turn(end, _RINGS[0]):
             return None
         if far > 0.02:
             self._add(end)
-        return self._cross(end)
+        ending = self._cross(end)
+        # Only the end of a road may be the tip of a hairpin: a way back may be another road's.
+        if ending == "end" and any(self._turn(end, ring) for ring in _RINGS[1:]):
+            return None
+        return ending
 
     def _drop_uneven(self) -> None:
         """Take back the nodes of a corner or a road's end, whose edges are not the line's."""
@@ -270,12 +278,19 @@ class _Tracer:
         most = (_SPARE + 2) * self._width
         ways = np.linspace(0, most, ceil(most / (0.5 * self._ground.cell)))
         ahead = np.array([cos(last.heading), sin(last.heading)])
-        share, seen = self._ground.sample(np.array(last[:2]) + ways[:, None] * ahead)
-        outside = np.flatnonzero(~((share > 0.5) & seen))
-        if not len(outside):
+        left = np.array([-ahead[1], ahead[0]])
+        asides = np.array(_RAYS)[:, None, None] * self._width * left
+        share, seen = self._ground.sample(
+            (np.array(last[:2]) + asides + ways[:, None] * ahead).reshape(-1, 2)
+        )
+        inside = ((share > 0.5) & seen).reshape(len(_RAYS), -1).mean(0) > 0.5
+        # A hole is no end.
+        hole = max(1, round(_HOLE * self._width / (ways[1] - ways[0])))
+        spans = _spans(~inside)
+        first = next((a for a, b in spans if b - a >= hole or b == len(ways) - 1), None)
+        if first is None:
             return 0.0, False
-        first = int(outside[0])
-        return float(ways[max(0, first - 1)]), bool(seen[first])
+        return float(ways[max(0, first - 1)]), bool(seen.reshape(len(_RAYS), -1)[:, first].all())
 
     def _is_on_road(self, end: Node) -> bool:
         """Whether there is road before an end."""
@@ -284,30 +299,30 @@ class _Tracer:
         share, seen = self._ground.sample(behind)
         return bool(((share > 0.5) & seen).mean() > 0.5)
 
-    def _turn(self, end: Node) -> bool:
-        """Go on by a way that leaves the road half a width before its end."""
+    def _turn(self, end: Node, ring: float) -> bool:
+        """Go on by a way that leaves the road half a width before its end, where it is so many
+        widths away from there.
+        """
         back = self._width / 2
         corner = Node(
             end.x - back * cos(end.heading), end.y - back * sin(end.heading), end.heading, 0.0
         )
-        for ring in _RINGS:
-            outs = exits(self._ground, corner[:2], ring * self._width, self._width)
-            turn_back = end.heading + pi
-            ways = [
-                out
-                for out in outs
-                if abs(wrap(out - turn_back)) > _BEHIND / (ring / _RINGS[0])
-                and abs(wrap(out - end.heading)) > 0.35
-                and self._is_new(corner, out, ring * self._width)
-            ]
-            if ways:
-                out = min(ways, key=lambda way: abs(wrap(way - end.heading)))
-                self._drop_beyond(corner)
-                turned = corner._replace(heading=wrap(out))
-                self._add(turned)
-                self._even = len(self._nodes)
-                return True
-        return False
+        outs = exits(self._ground, corner[:2], ring * self._width, self._width)
+        turn_back = end.heading + pi
+        ways = [
+            out
+            for out in outs
+            if abs(wrap(out - turn_back)) > _BEHIND / (ring / _RINGS[0])
+            and abs(wrap(out - end.heading)) > _AHEAD
+            and self._is_new(corner, out, ring * self._width)
+        ]
+        if not ways:
+            return False
+        out = min(ways, key=lambda way: abs(wrap(way - end.heading)))
+        self._drop_beyond(corner)
+        self._add(corner._replace(heading=wrap(out)))
+        self._even = len(self._nodes)
+        return True
 
     def _is_new(self, corner: Node, out: float, far: float) -> bool:
         """Whether a way out leads over road, away from the line so far."""
