@@ -25,7 +25,7 @@ def named(world: World, name: str) -> Thing:
 
 def test_these_are_shipped() -> None:
     expected = {"beacons", "empty", "marker_yard", "pursuit", "road_town", "search_field"}
-    expected |= {"slalom", "tag_row", "yard"}
+    expected |= {"playground", "slalom", "tag_row", "yard"}
     assert set(world_names()) == expected
 
 
