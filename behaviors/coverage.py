@@ -37,7 +37,7 @@ _TRIED = 8
 """Directions whose whole way is worked out: the most promising ones."""
 _CLEAR = 0.3
 """Distance at which a way passes a corner round which it leads, where there is room, metres."""
-_TURN = 1.3
+_TURN = 1.0
 """Seconds that a turn from one lane into the next costs beside its way."""
 
 
@@ -48,8 +48,11 @@ class Footprint:
     across: float
     """Distance from lane to lane: so much is seen across them at least."""
     ahead: float
-    """Distance ahead, and behind, up to which places count as seen. It ends that much before the
-    edge of the area."""
+    """Distance ahead, and behind, up to which places count as seen. A lane ends that much before
+    the edge of the area."""
+    beside: float = 0.0
+    """How much more than half of ``across`` is seen on either side. What is that near to another
+    lane need not be seen from its own."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ class _Strips:
 
     def __init__(self, area: Polygon | MultiPolygon, footprint: Footprint, axis: float) -> None:
         self.axis = axis
-        self._ahead = footprint.ahead
+        self._ahead, self._beside = footprint.ahead, footprint.beside
         area = shapely.transform(area, lambda places: _turned(places, -axis))
         west, low, east, high = area.bounds
         count = max(1, ceil((high - low) / footprint.across - 1e-9))
@@ -182,6 +185,30 @@ class _Strips:
         cut = shapely.intersection(area, boxes)
         self._parts = [[part for part in _polygons(each) if part.area > _SMALL] for each in cut]
         self._span = west - 1, east + 1
+        if footprint.beside:
+            self._parts = [
+                [part for part in parts if not self._is_seen_beside(part, k)]
+                for k, parts in enumerate(self._parts)
+            ]
+
+    def _is_seen_beside(self, part: Polygon, k: int) -> bool:
+        """Whether a part is so thin that it is seen from a lane beside it."""
+        _, low, _, high = part.bounds
+        sides = [
+            (k - 1, high - self._edges[k]),
+            (k + 1, self._edges[k + 1] - low),
+        ]
+        return any(
+            0 <= number < len(self._parts)
+            and width <= self._beside
+            and any(self._has_lane_beside(other, part) for other in self._parts[number])
+            for number, width in sides
+        )
+
+    def _has_lane_beside(self, other: Polygon, part: Polygon) -> bool:
+        """Whether the lane of another part leads along the whole of a part."""
+        (west, _, east, _), (begin, low, end, high) = part.bounds, other.bounds
+        return begin <= west and east <= end and high - low > self._beside and _touch(part, other)
 
     def estimate(self, turn: float) -> float:
         """About what it costs: the lengths of all parts, and a turn with its way for each."""
@@ -216,7 +243,7 @@ class _Strips:
 
     def _lane(self, part: Polygon, k: int) -> tuple[XY, ...]:
         """The places from which one part of a strip is seen, from west to east."""
-        west, _, east, _ = part.bounds
+        west, east = self._extent(part, k)
         first, last = west + self._ahead, east - self._ahead
         if first >= last:
             first = last = (west + east) / 2
@@ -233,6 +260,15 @@ class _Strips:
         if not pieces or last > pieces[-1][1]:
             line.append(_within(part, last))
         return tuple(dict.fromkeys(line))
+
+    def _extent(self, part: Polygon, k: int) -> XY:
+        """From where to where a part must be seen from its own lane."""
+        last = len(self._parts) - 1
+        low = self._edges[k] + (self._beside if k > 0 else 0.0)
+        high = self._edges[k + 1] - (self._beside if k < last else 0.0)
+        own = part.intersection(shapely.box(self._span[0], low, self._span[1], high))
+        west, _, east, _ = (part if own.is_empty else own).bounds
+        return west, east
 
     def _back(self, lane: tuple[XY, ...]) -> tuple[XY, ...]:
         return tuple(rotate_xy(x, y, self.axis) for x, y in lane)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from math import hypot, isfinite, pi
+from math import hypot, isfinite
 from typing import Any
 
 import cv2
@@ -136,9 +136,9 @@ def fiducials(
 
 _SIZE_ERROR = 1.35
 """A thing counts whose width is between its size by this and its size times this."""
-_ROUND = 0.12
-"""Share by which the area of a round thing may differ from that of the ellipse in its rectangle;
-a square one differs by 0.27."""
+_ROUND, _ROUND_PIXELS = 0.13, 1.5
+"""Difference of the largest and least distances of a round thing's edge from its middle, by their
+mean, and what pixels add to that; of a square it is 0.36."""
 _SOLID = 0.75
 """Least share of the pixels inside a thing's outline that have its colour."""
 
@@ -178,7 +178,7 @@ def _is_thing(  # the measures of one blob
     sides = _sides(blob, frame, level)
     if not all(size / _SIZE_ERROR <= side <= size * _SIZE_ERROR for side in sides):
         return False
-    return shape == "any" or abs(_roundness(blob) - 1) <= _ROUND
+    return shape == "any" or _is_round(blob)
 
 
 def _calmed(image: Pixels) -> Pixels:
@@ -210,10 +210,11 @@ def _sides(blob: Blob, frame: Frame, level: float) -> tuple[float, float]:
     return (min(sides), max(sides)) if all(map(isfinite, sides)) else (0.0, 0.0)
 
 
-def _roundness(blob: Blob) -> float:
-    """The area of a blob by that of the ellipse in the smallest rectangle round it."""
-    _, (width, height), _ = _rectangle(blob)
-    return float(blob.area / (pi / 4 * (width + 1) * (height + 1)))
+def _is_round(blob: Blob) -> bool:
+    out = np.hypot(*(blob.contour - (blob.x, blob.y)).T)
+    least, most = np.percentile(out, (2, 98))
+    mean = float(out.mean())
+    return bool(most - least <= _ROUND * mean + _ROUND_PIXELS)
 
 
 # -- people -------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from vencejo.geometry import Point, horizontal_distance
 
 _CONFIRMED = 3
 """Views after which a thing is taken for one."""
-_SHARE = 0.5
+_SHARE = 0.7
 """Least share of the frames that should show a thing in which it was seen."""
 _MARGIN = 1.0
 """Distance from the edge of a frame beyond which a thing should be seen whole, metres."""

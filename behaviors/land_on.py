@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot
+from math import cos, hypot, pi, sin
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
@@ -28,18 +28,26 @@ CENTRED, CALM = 0.05, 0.15
 FUNNEL, SLOPE = 0.06, 0.15
 """Distance from over the middle inside which it descends: at the pad, metres, and what is added for
 each metre of height."""
-FRESH, BLIND = 0.3, 1.0
+FRESH, BLIND = 0.3, 2.2
 """Seconds without a sight after which it does not descend, and after which it climbs to look."""
+UNSURE = 0.7
+"""Standard deviation of a pad's speed above which it is not waited for but looked for, m/s."""
 FOLLOWED = 4.0
 """Seconds for which it goes on with a pad that it does not see."""
-WIDER = 1.0
-"""Height by which it looks from farther above each time, metres."""
+CLIMB = 2.0
+"""Speed at which it climbs while it looks, for a wider view, m/s."""
+LEAST_SEEN = 14.0
+"""Side of the marker in the picture up to which it climbs, pixels."""
+ROUND = 0.6
+"""Radius by which it goes round the place in a wider circle each time, metres."""
 CLOSING = 2.0
 """Gain from distance to speed over the pad when it comes down, 1/s."""
 MOST_CLOSING = 0.5
 """Largest such speed, m/s."""
 TURN_RATE = 1.0
 """Turn rate when it is aligned with the pad, rad/s."""
+_NEAR = 0.3
+"""Height below that of the beginning at which it has come back up, metres."""
 ON_PAD = 0.2
 """Largest difference in height to the pad of a vehicle that stands on it, metres."""
 
@@ -77,8 +85,8 @@ class LandOn(Behavior):
 
     It flies over the pad, moves with it, and descends while it is over the middle; the last 30 cm
     it comes down whatever it sees, with the pad's velocity. When it loses the pad it follows for a
-    second, then climbs and looks where the pad should be, from higher each time, and ends in
-    ``lost`` after the tries: in the air, for it never lands anywhere else.
+    moment, then climbs and looks round where the pad should be, and ends in ``lost`` after the
+    tries: in the air, for it never lands anywhere else.
     """
 
     class Params(BehaviorParams):
@@ -87,9 +95,10 @@ class LandOn(Behavior):
         )
         camera: str = param("ventral", names="camera", help="a camera that looks down")
         height: float = param(2.5, unit="m", min=0.5, max=20.0, help="to begin from, above the pad")
+        highest: float = param(8.0, unit="m", min=0.5, max=50.0, help="to look from, above the pad")
         speed: float = param(2.0, unit="m/s", min=0.1, max=10.0, help="with which it nears the pad")
         descent: float = param(0.5, unit="m/s", min=0.1, max=2.0, help="speed down")
-        align: float | None = param(None, unit="rad", help="heading, from that of the marker")
+        align: float | None = param(None, unit="rad", help="nose, from where its top points")
         patience: float = param(4.0, unit="s", min=0.5, help="for which it looks each time")
         tries: int = param(3, min=0, help="how often it looks again")
         roll_pitch_thr: float | None = param(
@@ -111,7 +120,7 @@ class LandOn(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen = self.params, flight.observation
         marker = _marker(params)
-        self.smallest = marker.smallest
+        self.largest, self.smallest = marker.largest, marker.smallest
         self.watch = TargetWatch(
             flight,
             params.camera,
@@ -124,6 +133,8 @@ class LandOn(Behavior):
         self.since = seen.time
         self.tries = 0
         self.phase = "looking"
+        self.climbed = 0.0
+        """Height gained while it looks, metres."""
         self.above = params.height
         """Height above the pad that is flown now, metres."""
         self.order: Order | None = None
@@ -132,7 +143,8 @@ class LandOn(Behavior):
             self.begin, self.tries = Point(*progress["begin"]), progress["tries"]
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        self.watch.look(flight)
+        if self.watch.look(flight):
+            self.watch.show(flight, "land_on", f"{self.phase} {self._height(flight):.2f} m")
         if self.phase == "landing":
             ended = self._come_down(flight)
         elif self.phase == "looking":
@@ -153,30 +165,38 @@ class LandOn(Behavior):
 
     def _look(self, flight: Flight) -> Outcome | str | None:
         """Wait over where the pad should be until it is seen."""
-        params, now, watch = self.params, flight.now, self.watch
-        if watch.is_visible(now):
+        params, now = self.params, flight.now
+        given_up = self.tries > params.tries
+        if self.watch.is_visible(now) and not given_up:
             self.phase = "approaching"
             self.above = min(params.height, max(self._height(flight), self._least()))
             return self._descend(flight)
-        if now - self.since >= params.patience:
+        safe = given_up and self._height(flight) > params.height - _NEAR
+        if safe or now - self.since >= params.patience:
             if self.tries >= params.tries:
                 return "lost"
             self.tries, self.since = self.tries + 1, now
-        follows = watch.age(now) < FOLLOWED
-        place = watch.position_at(min(now, self._seen_at() + FOLLOWED))
-        if place is None:
-            target = self.begin._replace(z=self.begin.z + WIDER * self.tries)
-        else:
-            target = place._replace(z=place.z + params.height + WIDER * (self.tries - 1))
-        self._follow(flight, target, self._velocity() if follows else STILL)
+        place = self._pad(now)
+        turn, radius = 2 * pi * (now - self.since) / params.patience, ROUND * self.tries
+        self.climbed += CLIMB * flight.dt
+        place = self.begin if place is None else place._replace(z=place.z + params.height)
+        aside = radius * cos(turn), radius * sin(turn), self.climbed
+        self._follow(flight, self._below_top(place.plus(aside)), self._velocity(now))
         return None
 
+    def _below_top(self, place: Point) -> Point:
+        """The place, no higher than it may look from, or than it can see the pad from."""
+        frame, top = self.watch.frame, self.params.highest
+        if frame is not None:
+            top = min(top, self.largest * frame.intrinsics.fx / LEAST_SEEN)
+        pad = self._pad(self._seen_at())
+        highest = max(top, self.begin.z) if pad is None else pad.z + max(top, self.params.height)
+        return place._replace(z=min(place.z, highest))
+
     def _lose(self, flight: Flight) -> Outcome | str | None:
-        """Climb, and look again; the outcome when that has been often enough."""
-        if self.tries >= self.params.tries:
-            return "lost"
+        """Climb, and look again; or only climb, when that has been often enough."""
         self.tries, self.since = self.tries + 1, flight.now
-        self.phase = "looking"
+        self.phase, self.climbed = "looking", 0.0
         return self._look(flight)
 
     # Over the pad.
@@ -184,9 +204,9 @@ class LandOn(Behavior):
     def _descend(self, flight: Flight) -> Outcome | str | None:
         """Fly over the middle, and lower while it is there."""
         watch, now, dt = self.watch, flight.now, flight.dt
-        if watch.age(now) > BLIND:
+        if watch.age(now) > (FRESH if self._is_unsure() else BLIND):
             return self._lose(flight)
-        pad, moves = watch.position_at(now), self._velocity()
+        pad, moves = self._pad(now), self._velocity(now)
         assert pad is not None
         least, off = self._least(), self._off(flight)
         funnel = FUNNEL + SLOPE * self.above
@@ -225,7 +245,7 @@ class LandOn(Behavior):
         if order is not None and order.ended:
             self.chase = Chase(seen)
             return self._lose(flight)
-        pad, moves = self.watch.position_at(flight.now), self._velocity()
+        pad, moves = self._pad(flight.now), self._velocity(flight.now)
         assert pad is not None
         x, y = CLOSING * (pad.x - seen.position.x), CLOSING * (pad.y - seen.position.y)
         share = min(1.0, MOST_CLOSING / hypot(x, y)) if x or y else 0.0
@@ -249,30 +269,44 @@ class LandOn(Behavior):
         view = min(lens.width / lens.fx, lens.height / lens.fy)
         return max(COMMIT, IN_VIEW * self.smallest / view)
 
+    def _pad(self, now: float) -> Point | None:
+        """The place of its middle, as far as it is followed; its height is that seen last."""
+        track, seen = self.watch.track, self._seen_at()
+        if not track.is_known:
+            return None
+        ahead = track.position_at(min(now, seen + FOLLOWED))
+        return ahead._replace(z=track.position_at(seen).z)
+
     def _seen_at(self) -> float:
         return self.watch.track.time or 0.0
 
-    def _velocity(self) -> Point:
-        """That of the pad over the ground."""
-        return self.watch.track.velocity._replace(z=0.0)
+    def _velocity(self, now: float) -> Point:
+        """That of the pad over the ground; none once it is not followed any more."""
+        follows = self.watch.age(now) < FOLLOWED
+        return self.watch.track.velocity._replace(z=0.0) if follows else STILL
+
+    def _is_unsure(self) -> bool:
+        """Whether it has been seen for too short a time to tell how fast it is."""
+        track, seen = self.watch.track, self._seen_at()
+        return track.deviation_at(seen + 1.0) - track.deviation_at(seen) > UNSURE
 
     def _off(self, flight: Flight) -> float:
         """The distance from over its middle."""
-        pad = self.watch.position_at(flight.now)
+        pad = self._pad(flight.now)
         return horizontal_distance(flight.observation.position, pad) if pad else 0.0
 
     def _height(self, flight: Flight) -> float:
         """The height above it."""
-        pad = self.watch.position_at(flight.now)
+        pad = self._pad(flight.now)
         return flight.observation.position.z - pad.z if pad else 0.0
 
     def _drift(self, flight: Flight) -> float:
         """The speed over the ground relative to it."""
-        return horizontal_distance(flight.observation.velocity, self._velocity())
+        return horizontal_distance(flight.observation.velocity, self._velocity(flight.now))
 
     def _approach(self, flight: Flight) -> Approaching:
         now = flight.now
-        pad = self.watch.position_at(now)
+        pad = self._pad(now)
         if pad is None:
             return Approaching(tries=self.tries)
         return Approaching(
@@ -281,7 +315,7 @@ class LandOn(Behavior):
             self._off(flight),
             self._height(flight),
             pad,
-            self._velocity(),
+            self._velocity(now),
             self.tries,
         )
 

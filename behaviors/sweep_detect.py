@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any, ClassVar
 
 import shapely
@@ -26,8 +26,8 @@ from vencejo.polylines import XY
 _AHEAD = 0.35
 """Of the spacing, where the camera's picture is not asked for: how far ahead places count as seen.
 Half of a picture of 4:3 is 0.375 of its width long."""
-_SEEN_AHEAD = 0.9
-"""The same of half of a picture's length."""
+_SURE = 0.92
+"""Share of what is seen at the edges of a level picture that counts as seen."""
 _RADIUS = 0.6
 """Of the spacing: the distance from which things are found, more than half of what is between."""
 _EDGE = 0.3
@@ -225,7 +225,7 @@ class SweepDetect(Behavior):
         return {
             "begin": list(self.begin),
             "yaw": self.yaw,
-            "footprint": footprint and [footprint.across, footprint.ahead],
+            "footprint": footprint and astuple(footprint),
             "way": way.progress() if way else self.resumed.get("way"),
             "things": self.findings.progress() if way else self.resumed.get("things", []),
         }
@@ -244,8 +244,9 @@ def _footprint(spacing: float) -> Footprint:
 
 def _footprint_seen(params: Any, lens: Intrinsics) -> Footprint:
     """The footprint of a camera's picture from the height of the flight."""
-    across = params.height * lens.width / lens.fx * (1 - params.overlap)
-    return Footprint(max(0.1, across), params.height * lens.height / lens.fy / 2 * _SEEN_AHEAD)
+    width, length = params.height * lens.width / lens.fx, params.height * lens.height / lens.fy
+    across = max(0.1, width * (1 - params.overlap))
+    return Footprint(across, _SURE * length / 2, _SURE * max(0.0, (width - across) / 2))
 
 
 def _lanes(params: Any, footprint: Footprint, begin: Point) -> Lanes:

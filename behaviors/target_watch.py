@@ -7,9 +7,11 @@ from math import atan2, cos, inf, sin
 from typing import Any
 
 from behaviors.flight import Flight
-from behaviors.perception.projection import tilt_of
+from behaviors.perception.annotations import BLUE, GREEN, circle, marker, rejected, text_line
+from behaviors.perception.projection import pixels_of, tilt_of
 from behaviors.perception.target_filter import TargetFilter
 from behaviors.perception.targets import Look, Sighting, Target
+from hal.scene.arrays import Pixels
 from hal.vehicle import Frame
 from vencejo.geometry import Point
 
@@ -17,6 +19,8 @@ _HEADING_SHARE = 0.25
 """Share of a new heading in the mean."""
 _NEWEST = 0.3
 """Seconds for which a sighting counts as the present."""
+_MARK = 6.0
+"""Radius of the circle that shows where it is expected, pixels."""
 
 
 class TargetWatch:
@@ -85,6 +89,29 @@ class TargetWatch:
             a, b = self._turned
             c, s = a + (c - a) * _HEADING_SHARE, b + (s - b) * _HEADING_SHARE
         self._turned = c, s
+
+    def show(self, flight: Flight, name: str, words: str) -> None:
+        """Show people the newest frame: what was found in it, where the target is expected (green
+        while it is seen, else blue), what was rejected (red), and some words.
+        """
+        if self.frame is not None:
+            flight.picture(name, lambda: self._drawn(words))
+
+    def _drawn(self, words: str) -> Pixels:
+        assert self.frame is not None
+        frame, seen = self.frame, self.sighting
+        image = rejected(frame.image, self.seen.rejected)
+        for each in self.seen.sightings:
+            if each.heading is None:
+                image = rejected(image, [each.outline], GREEN)
+            else:
+                image = marker(image, each.outline)
+        place = self.position_at(frame.time)
+        if place is not None:
+            color = BLUE if seen is None else GREEN
+            x, y = map(float, pixels_of(frame, [place])[0])
+            image = circle(image, (x, y), _MARK, color)
+        return text_line(image, words)
 
     def age(self, now: float) -> float:
         """Seconds since it was seen; infinite before."""

@@ -28,8 +28,10 @@ COMMANDS = {
     "guide": ("cli.guide:guide", "Print language, behaviours and examples on one page."),
     "schema": ("cli.schemas:schema", "Print the JSON Schema of missions, for editors."),
     "new": ("cli.new:new", "Start a mission of your own, with a behaviour and a test."),
+    "findings": ("cli.findings:findings", "Write what a run has found as GeoJSON and CSV."),
     "picture": ("cli.lists:picture", "Draw the picture of a run again."),
     "video": ("cli.video:video", "Make videos of what was seen in a run."),
+    "tune": ("cli.tune:tune", "Find values for behaviours from a picture: the range of a colour."),
     "doctor": ("cli.doctor:doctor", "Tell what is installed, what works here, what is missing."),
     "completion": ("cli.completion:completion", "Print shell completion to source."),
 }

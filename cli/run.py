@@ -389,7 +389,8 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
                 late = f"--post {post.time:g}s:{to}{post.event}: the flight was over before"
                 click.echo(late, err=True)
         files = [f"pictures: {each}" for each in recorder.picture_folders]
-        no_room = how.picture and _draw(folder)
+        no_room = _keep_findings(folder, files)
+        no_room = (how.picture and _draw(folder)) or no_room
         no_room = (how.video and _film(folder, files)) or no_room
         fields = summary_fields(summary, folder)
         if how.out is None:
@@ -399,6 +400,18 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
 
             show_summary(fields, files, colored=_is_colored(_console(how.out)))
         return NOT_RECORDED if no_room and summary.exit_code in (0, 1) else summary.exit_code
+
+
+def _keep_findings(folder: Path, files: list[str]) -> bool:
+    """Write what the run has found; True when the disk had no room for it."""
+    from runner.findings import write_findings
+
+    try:
+        files += [f"findings: {file}" for file in write_findings(folder)]
+    except UserError as error:
+        click.echo(f"no findings: {error}", err=True)
+        return True
+    return False
 
 
 def _summarized(recorder: Recorder, summary: Summary) -> Summary:

@@ -15,15 +15,20 @@ from behaviors import Pilot
 from cli.live_view import LiveView
 from cli.look import render
 from cli.plot import draw
+from cli.plot.plan import Planned, draw_plan
 from docs.draw_responses import draw_responses
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
 from runner import missions
+from runner.by_vehicle import ALONE
+from runner.fleets import plans_of
+from runner.geometry import Terms
 from runner.loop import fly
-from runner.plan import Plan
+from runner.plan import Assignment, Plan
 from runner.preparation import prepare
 from runner.recorder import Recorder
+from runner.vehicle_models import flight_of, models_of
 from worlds import World, find_world, world_names
 
 IMAGES = Path(__file__).parent / "images"
@@ -63,6 +68,17 @@ def draw_graphs() -> None:
         (IMAGES / f"graph_{path.stem}.svg").write_text(write_svg(graph), encoding="utf-8")
 
 
+def draw_plan_of(name: str) -> None:
+    """Where a shipped mission may fly."""
+    prepared = prepare(missions.find(name))
+    flown = {ALONE: Assignment(prepared, parse_parameters(prepared.graph, {}))}
+    model = models_of("sim", flown)[ALONE]
+    (each,) = plans_of(flown, {ALONE: Terms(flight_of("sim", model))}).values()
+    title = f"{name} in {prepared.world.name}"
+    data = draw_plan(title, prepared.world, [Planned("", prepared.graph, each)])
+    (IMAGES / f"plan_{name}.png").write_bytes(data)
+
+
 def draw_worlds() -> None:
     """The shipped worlds, each in a file of at most 60 kB."""
     (IMAGES / "worlds").mkdir(exist_ok=True)
@@ -74,9 +90,12 @@ def draw_worlds() -> None:
 
 
 def main() -> None:
-    """Draw the graph of every shipped mission and every world; fly first_flight and draw that."""
+    """Draw the graph of every shipped mission, a plan and every world; fly first_flight and draw
+    that.
+    """
     IMAGES.mkdir(exist_ok=True)
     draw_graphs()
+    draw_plan_of("survey_square")
     draw_worlds()
     draw_responses(IMAGES / "responses.png")
     prepared = prepare(missions.find("first_flight"))

@@ -24,7 +24,7 @@ from fsm.fleet import (
 from fsm.language.reader import FLEET
 from hal.lights import Rgb
 from runner.by_vehicle import ALONE, are_alone
-from runner.geometry import Findings, Terms, check_geometry
+from runner.geometry import Findings, MissionPlan, Terms, check_geometry, plan_of
 from runner.missions import Found
 from runner.plan import Assignment, Fleet, starts_of
 from runner.preparation import Prepared, prepare, prepare_member, world_word
@@ -225,6 +225,18 @@ def check_ways(
         tuple(dict.fromkeys(thing for each in found.values() for thing in each.moving)),
         all(each.complete for each in found.values()),
     )
+
+
+def plans_of(
+    assignments: Mapping[str, Assignment], terms: Mapping[str, Terms], calls: Calls | None = None
+) -> dict[str, MissionPlan]:
+    """Where each vehicle of a run may fly, as far as it is known, on its own ``terms``."""
+    found = {}
+    for name, start in starts_of(assignments).items():
+        flown = assignments[name]
+        graph, world = flown.prepared.graph, flown.prepared.world
+        found[name] = plan_of(graph, world, terms[name], flown.parameters, calls, start)
+    return found
 
 
 def with_parameters(

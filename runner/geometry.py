@@ -20,7 +20,7 @@ from fsm.checks.regions import actions_of
 from fsm.values.types import AREA, AREAS, POINT, ROUTE
 from hal import FlightModel, Limits
 from runner.planned_motion import Setting
-from runner.planned_paths import PossibleLeg, possible_paths
+from runner.planned_paths import PossibleLeg, PossiblePaths, possible_paths
 from vencejo.errors import Fault, Where
 from vencejo.geometry import Point
 from vencejo.nodes import Mapping as MapNode
@@ -83,7 +83,48 @@ def check_geometry(
     ``parameters`` are those that differ from their defaults; ``calls`` run the plans of a person's
     behaviours. The work is bounded, whatever the mission and its world.
     """
-    start, obstacles = start or world.starts[0], Obstacles(world)
+    obstacles = Obstacles(world)
+    setting = _setting(graph, world, obstacles, terms, start or world.starts[0])
+    paths = possible_paths(graph, parameters or {}, replace(setting, calls=calls or Calls()))
+    view = _View(world, obstacles, setting.frame, terms, _may_refill(graph, world))
+    most = MAX_COMPARED // (1 + len(obstacles))
+    for leg in paths.legs[:most]:
+        view.look_at(leg)
+    return Findings(
+        (*paths.faults, *view.faults()),
+        tuple(node.path or graph.name for node in paths.unknown),
+        tuple(view.moving),
+        paths.complete and len(paths.legs) <= most,
+    )
+
+
+@dataclass(frozen=True)
+class MissionPlan:
+    """Where a mission may fly, as far as it is known before the flight."""
+
+    frame: MissionFrame
+    """Of the legs and shapes of ``paths``."""
+    paths: PossiblePaths
+
+
+def plan_of(
+    graph: Graph,
+    world: World,
+    terms: Terms,
+    parameters: Mapping[str, Any] | None = None,
+    calls: Calls | None = None,
+    start: Start | None = None,
+) -> MissionPlan:
+    """Where a mission may fly from a start; the parameters are those of :func:`check_geometry`."""
+    setting = _setting(graph, world, Obstacles(world), terms, start or world.starts[0])
+    setting = replace(setting, calls=calls or Calls())
+    return MissionPlan(setting.frame, possible_paths(graph, parameters or {}, setting))
+
+
+def _setting(
+    graph: Graph, world: World, obstacles: Obstacles, terms: Terms, start: Start
+) -> Setting:
+    """What the plans of a mission depend on, from a start in its world."""
     origin = world.origin
     geographic = (origin.lat, origin.lon, origin.alt) if origin else None
     ground = partial(height_at, world.ground.terrain)
@@ -94,25 +135,13 @@ def check_geometry(
     def ground_below(place: Point) -> float:
         return obstacles.below(frame.to_world(place)).height - start.at.z
 
-    setting = Setting(
+    return Setting(
         frame,
         start.heading,
         ground_below,
         1 + len(obstacles) // 50,
         terms.model,
-        calls or Calls(),
-        terms.limits.over(terms.model.limits) if terms.model else terms.limits,
-    )
-    paths = possible_paths(graph, parameters or {}, setting)
-    view = _View(world, obstacles, frame, terms, _may_refill(graph, world))
-    most = MAX_COMPARED // (1 + len(obstacles))
-    for leg in paths.legs[:most]:
-        view.look_at(leg)
-    return Findings(
-        (*paths.faults, *view.faults()),
-        tuple(node.path or graph.name for node in paths.unknown),
-        tuple(view.moving),
-        paths.complete and len(paths.legs) <= most,
+        limits=terms.limits.over(terms.model.limits) if terms.model else terms.limits,
     )
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from math import dist, isfinite
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from behaviors import UNKNOWN, Calls, CodeFailed, MissionFrame, PlannedLeg, PlanStart
+from behaviors.params import Face, Waypoint
 from behaviors.plan import NotKnown, Unflyable, Unknown
 from fsm.chart.graph import Node
 from fsm.expressions.compiled import Compiled
@@ -21,6 +22,15 @@ MAX_PLACES = 12
 """Places that stand for all those where a behaviour may be interrupted."""
 SPACING = 2.0
 """Metres between such places, where so many are enough."""
+
+
+class PlannedShape(NamedTuple):
+    """A point, a route or an area that a state's behaviour is given. Mission frame, metres."""
+
+    node: Node
+    parameter: str
+    kind: Literal["point", "route", "area"]
+    points: tuple[Point, ...]
 
 
 @dataclass(frozen=True)
@@ -147,6 +157,8 @@ class Planner:
         self.unknown: dict[Node, None] = {}
         """States that fly where only the flight knows, though it is known where they begin, or
         wherever they begin."""
+        self.shapes: dict[PlannedShape, None] = {}
+        """What behaviours are given that is known before the flight."""
         self._grounds: dict[Point, float] = {}
 
     def motion(self, node: Node, begin: Place, value: Callable[[Compiled], Any]) -> Motion:
@@ -190,6 +202,8 @@ class Planner:
             self.setting.limits,
         )
         parameters = self._resolved(behavior, given, start)
+        for name, value in parameters.items():
+            self.shapes.update(dict.fromkeys(_shapes_of(node, name, value)))
         class_ = behavior.implementation
         try:
             legs = self.setting.calls.run(lambda: class_.plan(class_.Params(**parameters), start))
@@ -260,6 +274,27 @@ class Planner:
             for begin, leg in legs
             if begin is not None
         )
+
+
+def _shapes_of(node: Node, name: str, value: Any) -> Iterator[PlannedShape]:
+    """The shapes that a resolved parameter has, without those that are not known."""
+    if isinstance(value, Point):
+        yield from _known(PlannedShape(node, name, "point", (value,)))
+    elif isinstance(value, Face):
+        yield from _known(PlannedShape(node, name, "point", (value.point,)))
+    elif isinstance(value, (list, tuple)) and value:
+        if all(isinstance(each, Waypoint) for each in value):
+            yield from _known(PlannedShape(node, name, "route", tuple(each.at for each in value)))
+        elif all(isinstance(each, Point) for each in value):
+            yield from _known(PlannedShape(node, name, "area", tuple(value)))
+        elif all(isinstance(each, (list, tuple)) for each in value):
+            for each in value:
+                yield from _shapes_of(node, name, each)
+
+
+def _known(shape: PlannedShape) -> Iterator[PlannedShape]:
+    if not any(isinstance(part, Unknown) for point in shape.points for part in point):
+        yield shape
 
 
 def _fault_of(node: Node, unflyable: Unflyable) -> Fault:

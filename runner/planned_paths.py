@@ -39,7 +39,7 @@ from runner.planned_moment import (
     remembered,
     restorable,
 )
-from runner.planned_motion import Motion, Place, Planner, Setting
+from runner.planned_motion import Motion, Place, PlannedShape, Planner, Setting
 from vencejo.errors import Fault
 from vencejo.geometry import Point
 
@@ -79,6 +79,8 @@ class PossiblePaths:
     """In the order of the battery that the ways to them take."""
     unknown: dict[Node, None] = field(default_factory=dict)
     """States that fly where only the flight knows; what follows them is unknown, too."""
+    shapes: dict[PlannedShape, None] = field(default_factory=dict)
+    """Points, routes and areas that behaviours are given, as far as they are known."""
     faults: list[Fault] = field(default_factory=list)
     """Plans that could not be asked for."""
     complete: bool = True
@@ -138,6 +140,7 @@ class _Walk:
                     break
         self.found.complete = not queue
         self.found.faults, self.found.unknown = self.planner.faults, self.planner.unknown
+        self.found.shapes = self.planner.shapes
 
     @property
     def work(self) -> int:

@@ -36,9 +36,10 @@ PICTURES_FORMAT, PICTURES_VERSION = "vencejo.pictures", 1
 READINGS = "readings.jsonl"
 READINGS_FORMAT, READINGS_VERSION = "vencejo.readings", 1
 PICTURE = "flight.png"
+FINDINGS_GEOJSON, FINDINGS_CSV = "findings.geojson", "findings.csv"
 OWN_NAMES = (
     *(EVENTS, TELEMETRY, "telemetry", FRAMES, "frames", PICTURES, "pictures", "photos"),
-    *(SUMMARY, READINGS, PICTURE),
+    *(SUMMARY, READINGS, PICTURE, FINDINGS_GEOJSON, FINDINGS_CSV),
 )
 """Names in a run folder that copies of files cannot have."""
 SUCCESS, OTHER_OUTCOME, VEHICLE_FAILED, NOT_RECORDED, INTERRUPTED = 0, 1, 3, 4, 130

@@ -119,6 +119,18 @@ def enu_of(lat: float, lon: float, origin_lat: float, origin_lon: float) -> tupl
     return east, north
 
 
+def lat_lon_of(
+    east: float, north: float, origin_lat: float, origin_lon: float
+) -> tuple[float, float]:
+    """Latitude and longitude of a place by its metres from an origin, degrees: :func:`enu_of` the
+    other way round.
+    """
+    to_degrees = 180 / pi
+    lat = origin_lat + north / EARTH_RADIUS * to_degrees
+    lon = origin_lon + east / (EARTH_RADIUS * cos(origin_lat * pi / 180)) * to_degrees
+    return lat, lon
+
+
 def horizontal_distance(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
     """Distance over the ground, metres."""
     return hypot(a[0] - b[0], a[1] - b[1])

@@ -13,6 +13,7 @@ from types import MappingProxyType
 
 from vencejo.seeds import generator
 from worlds import curves
+from worlds.narrow_roads import corner_roads, narrow_roads
 
 XY = tuple[float, float]
 _BRIGHT = ("blue", "cyan", "green", "magenta", "orange", "purple", "red", "yellow")
@@ -171,5 +172,11 @@ def _listed(points: Sequence[XY]) -> str:
 
 
 FAMILIES: Mapping[str, Callable[[int, Random], str]] = MappingProxyType(
-    {"roads": roads, "search": search, "forest": forest}
+    {
+        "roads": roads,
+        "narrow_roads": narrow_roads,
+        "corner_roads": corner_roads,
+        "search": search,
+        "forest": forest,
+    }
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import asin, sin
+from math import asin, pi, sin
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,7 +17,7 @@ from behaviors.perception.projection import directions
 from hal.scene.arrays import Float64s
 from hal.vehicle import Frame
 from vencejo.errors import nearest
-from vencejo.geometry import Point
+from vencejo.geometry import Point, wrap
 
 LEAST_AREA = 12.0
 """Pixels that a coloured thing covers at least."""
@@ -40,7 +40,8 @@ class Sighting:
     covariance: Float64s
     """(3, 3), m²."""
     heading: float | None
-    """Of a marker (see marker_pose), radians; None for what has none."""
+    """The direction in which the top of a marker points if it lies, in which it faces otherwise,
+    radians; None for what has none."""
     outline: Float64s
     """(n, 2), pixels: of a marker its corners."""
 
@@ -115,8 +116,8 @@ class MarkerTarget:
     def __init__(self, markers: Sequence[MarkerSpec], posture: Posture) -> None:
         """``markers`` are in each other, the outer one first. Raises ValueError."""
         self._posture: Posture = posture
-        self.smallest = markers[-1].size
-        """Side of the smallest one, metres."""
+        self.largest, self.smallest = markers[0].size, markers[-1].size
+        """Sides of the outer one and of the one inside, metres."""
         dictionaries = [marker.dictionary.removeprefix("DICT_") for marker in markers]
         if len(set(dictionaries)) < len(markers):
             raise ValueError(
@@ -138,8 +139,9 @@ class MarkerTarget:
                 (found, marker_pose(frame, found.corners, marker.size, self._posture))
                 for found in detections.found
             )
+            turn = pi / 2 if self._posture == "level" else 0.0
             sightings = tuple(
-                Sighting(pose.position, pose.covariance, pose.heading, found.corners)
+                Sighting(pose.position, pose.covariance, wrap(pose.heading + turn), found.corners)
                 for found, pose in poses
                 if pose is not None
             )

@@ -13,8 +13,9 @@ from math import hypot
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from cli.plot.axes import FRAME, LABEL, Axes, axes_from_above, axes_over
+from cli.plot.axes import LABEL, axes_from_above, axes_over
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
+from cli.plot.ground import draw_world, mark_start
 from cli.plot.lanes import Lane, lanes_of, states_of
 from cli.vehicle_colors import vehicle_colors
 from hal import PERIOD, Position, Velocity
@@ -23,7 +24,7 @@ from runner.telemetry import Sample
 from vencejo.errors import UserError, Where, cannot_write
 from vencejo.files import write_whole
 from vencejo.geometry import Point
-from worlds import World, load_world, outlines_of
+from worlds import World, load_world
 
 Value = TypeVar("Value", float, Point)
 _WIDTH = 1280
@@ -40,7 +41,7 @@ _ROW = 20
 _SWATCH = 24
 _MOST_POINTS = 3000
 """Of one line: more cannot be told apart."""
-_COLORS: Sequence[Color] = (
+COLORS: Sequence[Color] = (
     *((31, 119, 180), (255, 127, 14), (44, 160, 44), (148, 103, 189), (140, 86, 75)),
     *((227, 119, 194), (23, 190, 207), (188, 189, 34), (0, 96, 100), (106, 90, 205)),
 )
@@ -48,8 +49,7 @@ _TOLD: Color = (90, 90, 90)
 _TOLD_NAME = "set-points"
 _TOLD_STEP = 3.0
 """Pixels between points of a set-points' line: dashes that short take long to draw."""
-_RED, _DARK, _WHITE = (214, 39, 40), (40, 40, 40), (255, 255, 255)
-_THING, _THING_EDGE, _ROAD = (226, 226, 222), (150, 150, 145), (240, 240, 238)
+_RED, _WHITE = (214, 39, 40), (255, 255, 255)
 
 
 @dataclass(frozen=True)
@@ -121,11 +121,11 @@ def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
     alone = len(flights) == 1
     if alone:
         told = states_of(flights[0].lanes)
-        colors = {name: _COLORS[number % len(_COLORS)] for number, name in enumerate(told)}
+        colors = {name: COLORS[number % len(COLORS)] for number, name in enumerate(told)}
     else:
         told = [flight.vehicle for flight in flights]
         hulls = {vehicle: run.header.missions[vehicle].color for vehicle in told}
-        colors = vehicle_colors(hulls, _COLORS)
+        colors = vehicle_colors(hulls, COLORS)
     lanes = [lane for flight in flights for lane in flight.lanes]
     lanes_end = _LANES + _LANE * len(lanes)
     has_setpoints = any(sample.setpoint for flight in flights for sample in flight.samples)
@@ -205,14 +205,14 @@ def _draw_map(
     axes = axes_from_above(_MAP, [place for path in paths for place in path], 0.18, 8.0)
     axes.grid(canvas, y_spacing=60)
     if world is not None:
-        _draw_world(canvas, axes, world)
+        draw_world(canvas, axes, world)
     for flight, path in zip(flights, paths, strict=True):
         for color, part in _colored(flight, colors):
             canvas.line(_thinned(axes.places(map(_from_above, part))), color, 2.2)
         for told in _runs_of(flight, _told_place):
             places = axes.near(((x, y) for _, (x, y, _) in told), 20)
             canvas.dashes(_apart(places, _TOLD_STEP), _TOLD)
-        _mark_start(canvas, axes.place(*path[0]))
+        mark_start(canvas, axes.place(*path[0]))
         for sample, thing in flight.collisions:
             place = axes.place(*_from_above(sample))
             _mark_collision(canvas, place)
@@ -221,32 +221,6 @@ def _draw_map(
     axes.frame(canvas, "path from above, north up; metres")
     axes.label_x(canvas)
     axes.label_y(canvas, 60)
-
-
-def _draw_world(canvas: Canvas, axes: Axes, world: World) -> None:
-    scale = axes.x.pixel(1.0) - axes.x.pixel(0.0)
-    for road in world.roads:
-        places, width = axes.places(road.points), max(1.0, road.width * scale)
-        canvas.line(places, _ROAD, width)
-        for place in places:  # the short parts of a bend leave slits between them
-            canvas.disc(place, width / 2, _ROAD)
-    # Low things first, so that a roof covers what stands under it.
-    for thing in sorted(world.things, key=lambda thing: thing.at.z):
-        if thing.motion is not None:
-            way = [(point.x, point.y) for point in thing.motion.points]
-            canvas.dashes(axes.places(way), _THING_EDGE)
-        for outline in outlines_of(thing):
-            canvas.area(axes.places(outline), _THING, _THING_EDGE)
-    for name, point in world.places.items():
-        at = axes.place(point.x, point.y)
-        if _MAP.holds(at):
-            canvas.disc(at, 2.5, FRAME)
-            canvas.text((at[0] + 6, at[1] + 8), name, 11, LABEL)
-
-
-def _mark_start(canvas: Canvas, place: XY) -> None:
-    x, y = place
-    canvas.area([(x, y - 7), (x - 6.5, y + 5), (x + 6.5, y + 5)], _DARK)
 
 
 def _mark_collision(canvas: Canvas, place: XY) -> None:

@@ -27,7 +27,7 @@ def page() -> str:
 
 
 def test_it_is_one_page() -> None:
-    assert len(page().split()) <= 4000
+    assert len(page().split()) <= 6500
 
 
 @pytest.mark.parametrize("place", get_args(Place))

@@ -29,6 +29,12 @@ DIGESTS = {
     "roads:0": "25263166a0ecdaef92666d5cf618776514255dc2a26d3329b55143ba210be268",
     "roads:3": "509b3ffa4ff5bd159722f9a7cd32e77f1553b3fe352278cd48ad3281b5a00d5d",
     "roads:17": "e77db733d9603220d968f871a48922abdc9ce9be440a87baee8286591a828611",
+    "narrow_roads:0": "04ad6942f1d7fe4fd1a580d863bcb7db1d7a31e37cb3cd64a1686769fe2252bf",
+    "narrow_roads:3": "0b7f01532a00a4cbfb2051808f91683a33de70f9d31e58cbd6d3bcee467720a3",
+    "narrow_roads:17": "acc7122d651163edb4533eeb97038b6abc0b91ae89e6527df0e4fb9c99a2ffcc",
+    "corner_roads:0": "807d86a94acd7cd9a2016613af57eccce49e533667678c54b05e0cc65367d9bd",
+    "corner_roads:3": "8ea020c906872a4dd587ee125b0bd551f104dd6e4274ea7e070880a13c8ff8bf",
+    "corner_roads:17": "b262a2302acab6ca5f876f0ed317b41acc04f8bda4937b1815ca616461880f22",
     "search:0": "da4404c6a291a87f53fbaf97df311dc57691524cebf3342e2c146b8781e13df0",
     "search:3": "dacb9bb7dad55b09b255505d2b6e3046aa0a5ec138d018cb2971e04efc5c4505",
     "search:17": "0802f52e13051a0255e1d96b04097ff2496413ce6da6e240bd8d3a0e6395bb73",
@@ -82,6 +88,26 @@ def test_a_road_begins_below_the_start_and_leads_ahead(number: int) -> None:
     assert world.ground.stripes
     for branch in branches:
         assert min(dist(branch.points[0], place) for place in curves.every(main.points, 0.1)) < 0.2
+
+
+@pytest.mark.parametrize("family", ["narrow_roads", "corner_roads"])
+def test_a_narrow_road_begins_below_the_start_and_keeps_away_from_itself(family: str) -> None:
+    for number in NUMBERS:
+        world = find_world(f"{family}:{number}")
+        main = world.roads[0]
+        assert main.points[0] == (0, 0) and 0.5 <= main.width <= 1.2
+        assert main.points[-1] == pytest.approx(world.places["end"][:2], abs=0.01)
+        places = curves.every(main.points, 0.5)
+        for k, place in enumerate(places):
+            assert all(dist(place, other) > 2.9 for other in places[k + 24 :])
+
+
+def test_narrow_roads_bend_no_more_than_they_should() -> None:
+    for number in NUMBERS:
+        places = find_world(f"narrow_roads:{number}").roads[0].points
+        for a, b, c in zip(places, places[1:], places[2:], strict=False):
+            twice_area = abs((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
+            assert 2 * twice_area / (dist(a, b) * dist(b, c) * dist(a, c)) < 1 / 2.8
 
 
 def test_roads_differ() -> None:
