@@ -70,9 +70,7 @@ def draw_tags() -> None:
         scale = WIDTH / image.shape[1]
         way = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
         image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=way)
-        cv2.imwrite(
-            str(IMAGES / f"{mission}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, 85]
-        )
+        cv2.imwrite(str(IMAGES / f"{mission}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, 85])
 
 
 if __name__ == "__main__":
