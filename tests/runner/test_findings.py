@@ -139,7 +139,9 @@ def test_a_run_that_was_killed_has_them_too(flown: Callable[..., Path]) -> None:
     [
         CODE.replace("self.left = [", "self.left = []\n        _ = ["),
         CODE.replace('"person_1", "person"', '"", "person"').replace('"ball_1"', '""'),
-        CODE.replace("    picture: str\n", "").replace("*self.left.pop(0)", "*self.left.pop(0)[:4]"),
+        CODE.replace("    picture: str\n", "").replace(
+            "*self.left.pop(0)", "*self.left.pop(0)[:4]"
+        ),
     ],
     ids=["nothing told", "nothing named", "other fields"],
 )
