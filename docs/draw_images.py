@@ -17,6 +17,7 @@ from cli.look import render
 from cli.plot import draw
 from cli.plot.plan import Planned, draw_plan
 from docs.draw_responses import draw_responses
+from docs.draw_sweep import draw_sweep
 from docs.draw_tags import draw_tags
 from fsm import parse_parameters
 from fsm.drawing import write_svg
@@ -100,6 +101,7 @@ def main() -> None:
     draw_worlds()
     draw_responses(IMAGES / "responses.png")
     draw_tags()
+    draw_sweep(IMAGES / "vision" / "sweep_detect.jpg")
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=96, height=28, file=io.StringIO(), force_terminal=True)
