@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from behaviors.flight import Flight
-from behaviors.perception import annotations
+from behaviors.perception.annotations import BLUE, GREEN, circle, marker, rejected
 from behaviors.perception.projection import tilt_of
 from behaviors.perception.tag_tracks import Sighting, TagTracks, Track
 from behaviors.perception.tags import Place, TagFinder
@@ -64,13 +64,13 @@ class TagWatch:
 
     def _drawn(self, frame: Frame, is_near: Callable[[Place], bool]) -> Pixels:
         """The frame with its tags: found ones with their axes, each with a circle about it."""
-        image = annotations.rejected(frame.image, self._finder.rejected)
+        image = rejected(frame.image, self._finder.rejected)
         for track in self._tracks.visible:
             if track.time == frame.time:
-                image = annotations.marker(image, track.tag.corners)
-            color = annotations.GREEN if is_near(track.place) else annotations.BLUE
+                image = marker(image, track.tag.corners)
+            color = GREEN if is_near(track.place) else BLUE
             radius = max(_LEAST_CIRCLE, 0.9 * float(np.ptp(track.tag.corners, axis=0).max()))
-            image = annotations.circle(image, track.pixel, radius, color, f"{track.id}")
+            image = circle(image, track.pixel, radius, color, f"{track.id}")
         return image
 
     def visible(self, now: float) -> list[Track]:

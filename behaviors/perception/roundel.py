@@ -162,7 +162,7 @@ def _disc_of(outline: Int32s, hole: Int32s) -> _Disc | None:
     angle = np.deg2rad(turn)
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     # The outline runs through the middle of the outermost pixels: it is half a pixel too near.
-    axes = np.array(axes) + 1
-    disc = _Disc(np.array([x, y]), turned * axes / 2, float(axes.max()))
+    sides = np.array(axes) + 1
+    disc = _Disc(np.array([x, y]), turned * sides / 2, float(sides.max()))
     off = disc.on_disc(hole.mean(0))
     return disc if float(np.hypot(*off)) < 0.25 else None

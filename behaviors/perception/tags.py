@@ -22,8 +22,8 @@ from vencejo.geometry import Point, distance, turned, wrap
 ROUNDEL = "roundel"
 """The kind of a roundel; that of a marker is its dictionary."""
 _DOWN = 0.7
-"""A camera whose direction has at least this share downwards sees tags that lie; others, tags that
-stand."""
+"""A camera whose direction has at least this share downwards sees markers that lie; others, markers
+that stand. Roundels always lie."""
 _GROUND_ERROR = 0.05
 """Standard deviation of the height of a tag that is taken to lie on the ground, metres."""
 _SLANT = 0.02
@@ -132,10 +132,10 @@ class TagFinder:
         corners: Float64s,
         pixel: tuple[float, float],
     ) -> Tag:
-        lies = turned((0.0, 0.0, 1.0), frame.attitude).z < -_DOWN
+        lies = kind == ROUNDEL or turned((0.0, 0.0, 1.0), frame.attitude).z < -_DOWN
         if self._size is not None:
             side = self._size * (INSCRIBED if kind == ROUNDEL else 1.0)
-            posture: Posture = "level" if lies else "upright"
+            posture: Posture = "level" if lies else "any"
             pose = marker_pose(frame, corners, side, posture)
             if pose is not None:
                 heading = wrap(pose.heading + pi / 2) if lies else pose.heading
