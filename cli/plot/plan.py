@@ -158,10 +158,12 @@ def _name(node: Node, graph: Graph) -> str:
 def _unknown(vehicles: Sequence[Planned]) -> Iterator[str]:
     """The states that fly where only the flight knows."""
     for each in vehicles:
+        drawn = {leg.node for leg in each.plan.paths.legs}
         for node in each.plan.paths.unknown:
             behavior = f" ({node.invocation.behavior.name})" if node.invocation else ""
             vehicle = f"{each.name}: " if each.name else ""
-            yield f"{vehicle}{_name(node, each.graph)}{behavior}"
+            partly = ", not always as drawn" if node in drawn else ""
+            yield f"{vehicle}{_name(node, each.graph)}{behavior}{partly}"
 
 
 # -- the map ---------------------------------------------------------------------------------------
