@@ -90,9 +90,11 @@ def draw_plan(title: str, world: World, vehicles: Sequence[Planned]) -> bytes:
     places = [*((x, y) for x, y, _ in starts), *(p for each in entries for p in each.places())]
     axes = axes_from_above(_MAP, places, 0.12, 8.0)
     axes.grid(canvas, y_spacing=60)
+    for entry in entries:
+        _draw_areas(canvas, axes, entry)
     draw_world(canvas, axes, world)
     draw_fence(canvas, axes, world)
-    for draw in (_draw_areas, _draw_doubtful, _draw_legs, _draw_points):
+    for draw in (_draw_doubtful, _draw_legs, _draw_points):
         for entry in entries:
             draw(canvas, axes, entry)
     for x, y, _ in starts:
