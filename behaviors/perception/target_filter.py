@@ -67,7 +67,8 @@ class TargetFilter:
     @property
     def speed_deviation(self) -> float:
         """The standard deviation of the velocity at the last measurement, along its least certain
-        axis, m/s."""
+        axis, m/s.
+        """
         return float(np.sqrt(np.linalg.eigvalsh(self._covariance[3:, 3:])[-1]))
 
     def distance(self, position: Sequence[float], covariance: Float64s, time: float) -> float:
