@@ -3,8 +3,8 @@
 Each road of the families ``narrow_roads`` (bends) and ``corner_roads`` (right angles) is flown by
 ``follow_road`` at some speeds, and by the published row method, ``road_travel``. The vehicle begins
 above the begin of the road, its nose anywhere. Physics are ``real``, with noise of commands,
-shadows, and noise of 25 grey levels in each pixel (a tenth of the range). Figures are by the
-simulator's own places:
+shadows, and noise of 25 grey levels in each pixel (a tenth of the range); the row method also flies
+without shadows and noise in its pictures (``clear``). Figures are by the simulator's own places:
 
 - *ended*: in `done`, within a metre of the road's end;
 - *passed*: the share of the centre line that the vehicle passed within half a width of the road;
@@ -49,12 +49,9 @@ CLEAR = 1.5
 """Metres from a corner that count as at it."""
 SHARP = 0.6
 """Turns of the centre line above this are corners, radians."""
-SETTINGS = {
-    "physics": "real",
-    "noise": 1.0,
-    "shadows": True,
-    "cameras": {"ventral": {"noise": 25.0}},
-}
+SETTINGS = {"physics": "real", "noise": 1.0}
+HARD = {"shadows": True, "cameras": {"ventral": {"noise": 25.0}}}
+"""What makes pictures hard to read."""
 OURS = """
 mission: one_road
 states:
@@ -70,6 +67,8 @@ class Job(NamedTuple):
 
     method: str
     """``follow_road`` or ``road_travel``."""
+    sight: str
+    """``hard`` or ``clear``."""
     speed: float
     world: str
     height: float
@@ -101,7 +100,8 @@ def graph_of(job: Job) -> Graph:
 def fly(job: Job) -> Flown:
     """Fly a road, and measure by the centre line of its world."""
     begun = process_time()
-    options = Options((VehicleSpec("drone"),), job.world, job.seed, settings=SETTINGS)
+    settings = {**SETTINGS, **(HARD if job.sight == "hard" else {})}
+    options = Options((VehicleSpec("drone"),), job.world, job.seed, settings=settings)
     given = {} if job.method == "follow_road" else {"cruise": job.height, "max_vel": job.speed}
     track = []
     with open_backend("sim", options) as session:
@@ -191,12 +191,13 @@ def row(flights: Sequence[Flown]) -> dict[str, float]:
 
 
 def jobs(seeds: int, height: float) -> list[Job]:
-    """All flights: ours at each speed, the row method at its own."""
-    flown = [("follow_road", speed) for speed in SPEEDS] + [("road_travel", 1.0)]
+    """All flights: ours at each speed, the row method at its own, in hard and in clear sight."""
+    ours = [("follow_road", "hard", speed) for speed in SPEEDS]
+    rows = [("road_travel", sight, 1.0) for sight in ("hard", "clear")]
     return [
-        Job(method, speed, f"{family}:{number}", height, number)
+        Job(*how, f"{family}:{number}", height, number)
         for family in FAMILIES
-        for method, speed in flown
+        for how in (*ours, *rows)
         for number in range(seeds)
     ]
 
@@ -210,14 +211,14 @@ def main() -> None:
     with ProcessPoolExecutor(2) as pool:
         flights = list(pool.map(fly, jobs(arguments.seeds, arguments.height)))
     table = {
-        f"{family}, {method}, {speed:g} m/s": row(chosen)
+        f"{family}, {method}, {sight}, {speed:g} m/s": row(chosen)
         for family in FAMILIES
-        for method, speed in dict.fromkeys((each.job.method, each.job.speed) for each in flights)
+        for method, sight, speed in dict.fromkeys(each.job[:3] for each in flights)
         if (
             chosen := [
                 each
                 for each in flights
-                if each.job.world.startswith(family) and each.job[:2] == (method, speed)
+                if each.job.world.startswith(family) and each.job[:3] == (method, sight, speed)
             ]
         )
     }
@@ -227,14 +228,14 @@ def main() -> None:
     print(machine())
     print(f"{arguments.seeds} roads of each family, {arguments.height:g} m above them")
     print(
-        f"{'':36}{'ended':>7}{'passed, least, %':>18}{'RMSE, worst, cm':>17}{'goal':>6}"
+        f"{'':40}{'ended':>7}{'passed, least, %':>18}{'RMSE, worst, cm':>17}{'goal':>6}"
         f"{'off at corners, cm':>20}{'wrong branch':>14}{'m/s':>6}{'× real':>8}"
     )
     for name, figures in table.items():
         speed = float(name.split()[-2])
         goal = f"{GOALS[speed]:g}" if "follow_road" in name else ""
         print(
-            f"{name:36}{figures['ended']:>4}/{figures['roads']:<2}"
+            f"{name:40}{figures['ended']:>4}/{figures['roads']:<2}"
             f"{figures['passed_percent']:>10.1f}{figures['passed_least_percent']:>8.1f}"
             f"{figures['rmse_median_cm']:>11.1f}{figures['rmse_worst_cm']:>6.1f}{goal:>6}"
             f"{figures['off_at_corners_cm']:>20.1f}{figures['wrong_branch']:>14}"

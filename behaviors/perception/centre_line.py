@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, ceil, cos, hypot, pi, sin, tan
+from math import atan2, ceil, cos, exp, hypot, pi, sin, tan
 from typing import Literal, NamedTuple
 
 import cv2
@@ -32,16 +32,14 @@ XY = tuple[float, float]
 Ending = Literal["open", "end", "none"]
 """How a traced line ends: where nothing was seen yet; where the road does; or there is no road."""
 
-_MEMORY = 0.55
-"""How much of the past the filter keeps, 0 to 1."""
-_PLACE = 1 - _MEMORY**3
-_HEADING = 1.5 * (1 - _MEMORY**2) * (1 - _MEMORY)
-_CURVATURE = (1 - _MEMORY) ** 3
-"""The gains of place, heading and curvature."""
+_MEMORY = 0.42
+"""Of the width: the way after which the filter remembers 1/e of what it knew."""
 _STEP = 0.25
 """Of the width: from node to node."""
-_SHORTEST_STEP, _LONGEST_STEP = 0.1, 0.3
+_SHORTEST_STEP, _LONGEST_STEP = 0.1, 0.5
 """Metres."""
+_SHARPEST = 1.5
+"""Times the width: the sharpest curvature that is no corner."""
 _ASIDE = 0.6
 """Of the width: a road that is farther from where it was expected is not this one."""
 _UNEVEN = 0.15
@@ -401,15 +399,21 @@ def corrected(last: Node, step: float, aside: float, width: float) -> Node:
     """The node after another, when the road lies ``aside`` metres left of where it was expected."""
     x, y = along(last, step)
     heading = last.heading + last.curvature * step
-    shift = _PLACE * aside
-    most = 1.5 / width
-    curvature = last.curvature + _CURVATURE * aside / step**2
+    kept = exp(-step / (_MEMORY * width))
+    shift = (1 - kept**3) * aside
+    turn = 1.5 * (1 - kept**2) * (1 - kept) * aside / step
+    bend = (1 - kept) ** 3 * aside / step**2
+    most = _SHARPEST / width
     return Node(
         x - shift * sin(heading),
         y + shift * cos(heading),
-        wrap(heading + _HEADING * aside / step),
-        max(-most, min(most, curvature)),
+        wrap(heading + _within(turn, most * step)),
+        _within(last.curvature + bend, most),
     )
+
+
+def _within(number: float, most: float) -> float:
+    return max(-most, min(most, number))
 
 
 def _away(run: Run) -> float:
