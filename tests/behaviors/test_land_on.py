@@ -132,6 +132,20 @@ def test_a_pad_that_is_gone_for_good_is_never_landed_beside() -> None:
     assert "land" not in solo.vehicle.verbs and solo.vehicle.position.z > 1.0
 
 
+def test_without_a_marker_inside_it_comes_down_from_where_it_sees_the_whole_one() -> None:
+    """A marker of one metre is in view from 1.85 m on: higher than it was asked to begin from."""
+    pad = marker_of("6X6_250", 5, Point(0.3, 0.2, 0.0), 1.0)
+    marker = {"id": 5, "size": 1.0, "dictionary": "6X6_250"}
+    solo = landing(seen_of(pad), {"marker": marker, "height": 1.5})
+    heights = {}
+    while solo.outcome is None and solo.time < 40:
+        solo.step()
+        heights.setdefault(solo.activity.published.phase, solo.vehicle.position.z)
+    assert solo.outcome is not None and solo.word == "done"
+    assert heights["landing"] == pytest.approx(1.85, abs=0.15)
+    assert horizontal_distance(solo.vehicle.position, (0.3, 0.2, 0.0)) < 0.05
+
+
 @pytest.mark.parametrize("align", [0.0, 1.0])
 def test_it_can_turn_its_nose_along_the_pad(align: float) -> None:
     solo = landing(seen_of(pad_at(0.2, 0.1, heading=-0.5)), {"align": align})
