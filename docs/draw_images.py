@@ -18,6 +18,8 @@ from cli.plot import draw
 from cli.plot.plan import Planned, draw_plan
 from docs.draw_landings import draw_landings
 from docs.draw_responses import draw_responses
+from docs.draw_sweep import draw_sweep
+from docs.draw_tags import draw_tags
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
@@ -99,6 +101,8 @@ def main() -> None:
     draw_plan_of("survey_square")
     draw_worlds()
     draw_responses(IMAGES / "responses.png")
+    draw_tags()
+    draw_sweep(IMAGES / "vision" / "sweep_detect.jpg")
     draw_landings()
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
