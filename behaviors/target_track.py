@@ -20,8 +20,8 @@ FADING = 1.0
 """Time constant with which it fades afterwards, seconds."""
 _NEAREST = 0.3
 """Least range of a target that the edge of the image cuts, metres."""
-_MANOEUVRE = 3.0
-"""Standard deviation of the target's acceleration, m/s²."""
+_MANOEUVRE = 6.0
+"""Standard deviation of the acceleration for which the filter is ready, m/s²: it follows sharp turns soon."""
 _SETTLING = 0.25
 """Time constant with which its acceleration is followed, seconds."""
 _MOST_ACCELERATION = 4.0

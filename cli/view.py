@@ -85,7 +85,21 @@ def _of_fleet(summary: Mapping[str, Any], pace: str, until: str) -> list[str]:
     if nearest is not None:
         pair, moment = " and ".join(nearest["vehicles"]), clock(nearest["t"])
         lines.append(f"  nearest: {pair}, {nearest['distance_m']:.2f} m at {moment}")
+    if "referee" in summary:
+        lines.append(_judged(summary["referee"]))
     return lines
+
+
+def _judged(verdict: Mapping[str, Any]) -> str:
+    """The line of the referee."""
+    one, other = verdict["between"]
+    near, whole, losses = verdict["time_near_s"], verdict["time_s"], verdict["losses"]
+    share = f" ({near / whole:.0%})" if whole else ""
+    return (
+        f"  referee: {one} within {verdict['near_m']:g} m of {other} for {near:.1f} s of "
+        f"{whole:.1f} s{share}, {verdict['mean_distance_m']:.2f} m on average; "
+        f"lost it {losses} {'time' if losses == 1 else 'times'}"
+    )
 
 
 def _distance(pair: Mapping[str, Any]) -> float:

@@ -32,6 +32,9 @@ from vencejo.nodes import Mapping as MapNode
 from vencejo.nodes import Scalar, YamlNode, kind, read_file
 from vencejo.units import TIME
 
+_MAPS = ("vehicles", "referee")
+"""The keys of a fleet whose values are maps."""
+
 
 @dataclass(frozen=True)
 class Member:
@@ -63,6 +66,8 @@ class FleetSpec:
     until: Scalar | None = None
     names: tuple[Scalar, ...] = ()
     """The names of all vehicles, also of those whose missions cannot be read."""
+    referee: YamlNode | None = None
+    """What the host reads of it, as it is written."""
 
 
 def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faults]:
@@ -73,7 +78,7 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
     shown = shown_as or str(path)
     node, faults = read_file(path, shown), Faults()
     _refuse_unknown(node, "fleet", faults)
-    texts = {name: _text(node, name, faults) for name in AT["fleet"] if name != "vehicles"}
+    texts = {name: _text(node, name, faults) for name in AT["fleet"] if name not in _MAPS}
     vehicles = node.get("vehicles")
     members: list[Member] = []
     entries = vehicles.entries if isinstance(vehicles, MapNode) else []
@@ -99,6 +104,7 @@ def read_fleet(path: Path, shown_as: str | None = None) -> tuple[FleetSpec, Faul
         texts["world"],
         texts["until"],
         tuple(name for name, _ in entries),
+        node.get("referee"),
     )
     return spec, faults
 

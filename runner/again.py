@@ -99,7 +99,8 @@ class Recorded:
         graphs = {vehicle: each.prepared.graph for vehicle, each in assignments.items()}
         where = Where(str(self.folder / EVENTS), 1, 1)
         until = compile_until(text, where, graphs, Faults()) if text else None
-        return Fleet(name, until, self.folder / file if file else None)
+        contest = self.settings.referee
+        return Fleet(name, until, self.folder / file if file else None, contest)
 
     def doubt(self) -> Fault | None:
         """A warning where another release is at work than flew this run."""

@@ -28,6 +28,7 @@ from runner.geometry import Findings, MissionPlan, Terms, check_geometry, plan_o
 from runner.missions import Found
 from runner.plan import Assignment, Fleet, starts_of
 from runner.preparation import Prepared, prepare, prepare_member, world_word
+from runner.referee import REFEREE, Contest
 from vencejo.errors import Fault, UserError, Where, nearest
 from vencejo.files import named_from
 from worlds import Start, World, find_world
@@ -141,7 +142,7 @@ def prepare_fleet(
         faults.fail("no-mission", message, spec.names[0].where, hint)
     faults.extend(_faults_of_starts(spec, assignments, place[0]))
     until = _until(spec, graphs) if not faults.errors else None
-    fleet = Fleet(spec.name, until, found.path)
+    fleet = Fleet(spec.name, until, found.path, _contest(spec, faults))
     # Two vehicles may fly one mission: its faults are told once.
     return PreparedFleet(spec, assignments, fleet, tuple(dict.fromkeys(faults)))
 
@@ -174,6 +175,21 @@ def _color(member: Member, faults: Faults) -> Rgb | None:
     if member.color is not None:
         with faults.collecting():
             return COLOR.read(member.color)
+    return None
+
+
+def _contest(spec: FleetSpec, faults: Faults) -> Contest | None:
+    """What the referee of a fleet looks at; what is wrong with it goes to ``faults``."""
+    if spec.referee is not None:
+        with faults.collecting():
+            between, near = REFEREE.read(spec.referee)
+            known = [name.text for name in spec.names]
+            for name in between:
+                if name.text not in known:
+                    message = f"the fleet has no vehicle '{name.text}'"
+                    hint = nearest(name.text, known)
+                    raise UserError("unknown-vehicle", message, name.where, hint)
+            return Contest((between[0].text, between[1].text), near)
     return None
 
 

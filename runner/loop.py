@@ -28,10 +28,11 @@ from runner.call_limit import CallLimit
 from runner.course import Entered, collisions, entered
 from runner.kept_files import KeptFiles, kept_files
 from runner.pace import Pace
-from runner.plan import Assignment, Plan
+from runner.plan import Assignment, Fleet, Plan
 from runner.posts import Post
 from runner.process_settings import ProcessSettings
 from runner.recorder import Recorder
+from runner.referee import Referee
 from runner.run_folder import LAST_ENTERED, Flown, Header, MissionFacts, Summary
 from runner.separation import Separation
 from runner.settings import MissionSettings, RunSettings
@@ -188,8 +189,15 @@ class _Never:
 class _Together:
     """What concerns the vehicles of a fleet together: messages, distances, and their common end."""
 
-    def __init__(self, crafts: Sequence[_Craft], until: Until | None) -> None:
+    def __init__(self, crafts: Sequence[_Craft], fleet: Fleet | None) -> None:
         pilots = [craft.pilot for craft in crafts]
+        until = fleet.until if fleet else None
+        contest = fleet.contest if fleet else None
+        self.referee = Referee(contest) if contest else None
+        """None where the fleet has none."""
+        by_name = {pilot.vehicle.name: pilot for pilot in pilots}
+        self._pair = [by_name[name] for name in contest.between] if contest else []
+        """The vehicles that it looks at, the pursuer first."""
         self._channels = [pilot.channel for pilot in pilots]
         self._exchange = Exchange(pilots)
         self._until = until
@@ -200,12 +208,19 @@ class _Together:
         self.is_over = False
         """Whether the condition that ends their flight came true."""
 
-    def period(self, aloft: Sequence[_Craft]) -> None:
-        """After all have flown a period: carry messages, measure, and end what is to end."""
+    def period(self, aloft: Sequence[_Craft], dt: float) -> None:
+        """After all have flown a period of ``dt`` seconds: carry messages, measure, and end what is
+        to end.
+        """
         self._exchange.deliver()
         seen = [channel.world for channel in self._channels]
         time = aloft[0].pilot.channel.now
         self.separation.update(time, [s.position for s in seen], [s.flying for s in seen])
+        if self.referee is not None:
+            pair = [pilot.channel.world for pilot in self._pair]
+            aloft_both = all(each.flying for each in pair)
+            self.referee.update([each.position for each in pair], aloft_both, dt)
+            self.referee.hear(self._pair[0].instance.records)
         if self._until is not None and not self.is_over and self._holds(self._until, time, aloft):
             self.is_over = True
             for craft in aloft:
@@ -268,7 +283,7 @@ class _Flying:
                 if craft.has_defect:
                     self._undo_changes()
             if self.together is not None:
-                self.together.period(self.aloft)
+                self.together.period(self.aloft, dt)
             self._show()
             if log.failure:
                 # A flight nobody can read afterwards is of no use, but it is not left in the air.
@@ -353,8 +368,7 @@ def fly(
         log = _Log(record() if record else None)
         stack.callback(log.close)
         log.begin(header, files, crafts)
-        until = plan.fleet.until if plan.fleet else None
-        together = _Together(crafts, until) if plan.fleet or len(crafts) > 1 else None
+        together = _Together(crafts, plan.fleet) if plan.fleet or len(crafts) > 1 else None
         flying = _Flying(
             session, crafts, log, watchers, pace or Pace(None), stops or _Never(), limit, together
         )
@@ -371,6 +385,7 @@ def fly(
                 unrecorded=log.failure,
                 ended_by_until=together is not None and together.is_over,
                 separation=together.separation.nearest() if together else (),
+                verdict=together.referee.verdict() if together and together.referee else None,
             )
 
         def land(reason: str) -> Summary:
@@ -447,6 +462,7 @@ def _header(plan: Plan, session: Session, files: KeptFiles, limit: CallLimit) ->
             fleet=plan.fleet.name if plan.fleet else "",
             fleet_file=files.fleet,
             until=plan.fleet.until.text if plan.fleet and plan.fleet.until else "",
+            referee=plan.fleet.contest if plan.fleet else None,
             own={**session.settings, **unlisted},
         ),
     )

@@ -13,6 +13,7 @@ from hal.lights import Rgb
 from runner.by_vehicle import ALONE
 from runner.posts import Post
 from runner.preparation import Prepared
+from runner.referee import Contest
 from vencejo.errors import Where
 from worlds import Start, World
 from worlds.starts import starts_for
@@ -77,6 +78,8 @@ class Fleet:
     """The condition that ends the flight of all."""
     file: Path | None = None
     """The fleet's own file, to be kept with the run."""
+    contest: Contest | None = None
+    """What its referee looks at; None for none."""
 
 
 @dataclass(frozen=True)

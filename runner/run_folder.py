@@ -22,6 +22,7 @@ from hal.lights import Rgb
 from hal.vehicle import Frame, Intrinsics, Reading
 from runner.by_vehicle import are_alone, joined, vehicles_of
 from runner.course import Entered
+from runner.referee import Verdict, verdict_fields, verdict_of
 from runner.separation import Nearest
 from runner.settings import RunSettings, rgb, settings_fields, settings_of
 from runner.telemetry import COLUMNS, KNOWN_COLUMNS, Sample, sample_of
@@ -186,6 +187,8 @@ class Summary:
     """Whether a fleet's flight ended because its condition came true."""
     separation: tuple[Nearest, ...] = ()
     """The least distance of each two vehicles."""
+    verdict: Verdict | None = None
+    """What the referee of a fleet says; None where there was none."""
 
     @property
     def alone(self) -> Flown:
@@ -402,14 +405,15 @@ def _together_fields(summary: Summary) -> dict[str, Any]:
         for pair, distance, time in summary.separation
     ]
     until = {"ended_by_until": True} if summary.ended_by_until else {}
-    return {**until, **({"separation": separation} if separation else {})}
+    verdict = {"referee": verdict_fields(summary.verdict)} if summary.verdict else {}
+    return {**until, **({"separation": separation} if separation else {}), **verdict}
 
 
 _SUMMARY_ORDER = (
     *("fleet", "mission", "outcome", "success", "reason", "failure", "output", "ended_by_until"),
     "exit_code",
     *("mission_time_s", "wall_time_s", "realtime_factor", "distance_m", "max_altitude_m"),
-    *("left_ground", "battery_left", "entered", "collisions", "separation", "vehicles"),
+    *("left_ground", "battery_left", "entered", "collisions", "separation", "referee", "vehicles"),
     *("world", "parameters", "seed", "model", "backend", "engine", "settings"),
     *("versions", "unrecorded", "run_folder"),
 )
@@ -694,6 +698,7 @@ def _summary_of(fields: Mapping[str, Any], header: Header) -> Summary:
         unrecorded=fields.get("unrecorded", ""),
         ended_by_until=fields.get("ended_by_until", False),
         separation=tuple(map(_nearest_of, fields.get("separation", ()))),
+        verdict=verdict_of(fields["referee"]) if "referee" in fields else None,
     )
 
 

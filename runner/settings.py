@@ -11,6 +11,7 @@ from hal.lights import Rgb
 from hal.limits import Limits
 from runner.by_vehicle import joined, vehicles_of
 from runner.posts import Post, post_fields, post_of
+from runner.referee import Contest, contest_fields, contest_of
 from vencejo.geometry import Point
 from worlds import Start
 
@@ -61,6 +62,8 @@ class RunSettings:
     """The fleet's own file."""
     until: str = ""
     """The condition that ends the flight of a fleet; empty for none."""
+    referee: Contest | None = None
+    """What the referee of a fleet looks at."""
     own: Mapping[str, Any] = field(default_factory=dict)
     """Settings of that backend only, such as the simulator's ``noise``."""
 
@@ -70,7 +73,7 @@ _RUN = ("seed", "backend", "connect", "profile", "limits", "call_limit", "camera
 _FLEET = ("fleet", "fleet_file", "until")
 _ASKED = ("model", "start", "color")
 """What may be asked of a vehicle."""
-_ORDER = ("mission", "parameters", *_ASKED, *_FLEET, "vehicles", "world", *_RUN, "post")
+_ORDER = ("mission", "parameters", *_ASKED, *_FLEET, "referee", "vehicles", "world", *_RUN, "post")
 
 
 def settings_fields(settings: RunSettings) -> dict[str, Any]:
@@ -88,6 +91,8 @@ def settings_fields(settings: RunSettings) -> dict[str, Any]:
     }
     run = {name: getattr(settings, name) for name in ("world", *_RUN)}
     run |= {name: getattr(settings, name) for name in _FLEET if getattr(settings, name)}
+    if settings.referee is not None:
+        run["referee"] = contest_fields(settings.referee)
     run |= {"limits": settings.limits.given(), "post": list(map(post_fields, settings.post))}
     ours = joined(vehicles, run, _ORDER)
     others = {name: value for name, value in settings.own.items() if name not in ours}
@@ -134,5 +139,6 @@ def settings_of(fields: Mapping[str, Any]) -> RunSettings:
         limits=Limits(**fields["limits"]),
         post=tuple(map(post_of, fields["post"])),
         **{name: fields[name] for name in _FLEET if name in fields},
+        referee=contest_of(fields["referee"]) if "referee" in fields else None,
         own={name: value for name, value in fields.items() if name not in known},
     )

@@ -38,16 +38,20 @@ _SHARES = (_HULL[0] * np.sin(_HEADINGS) + _HULL[1] * np.cos(_HEADINGS)) / (
     2 * (_ASIDE.max(1) + _GUARD)
 )
 """The share of the bar that the hull takes up, for each heading."""
-_SHARE_ERROR = 0.025
+_SHARE_ERROR = 0.04
 """Standard deviation of a measured share."""
+_ANY_HEADING = 0.02
+"""Weight of a heading that does not fit at all: what is not a share of a hull tells nothing."""
 _ROUND = 0.8
 """Height over width from which on a thing is taken for a ball."""
 _PIXEL = 1.0
 """Standard deviation of a place in the image, pixels."""
 _END = 12
 """The ends of the bar are this part of its width."""
-_HULL_DROP = 0.6
-"""The hull is where the outline drops below the bar by this share of the most that it does."""
+_BAR = 0.75
+"""Rows that are filled over more than this share of the width are of the bar."""
+_BELOW = 0.07
+"""Rows below the bar in which the hull is looked for, as a share of its width."""
 _CLOSED = np.ones((3, 3), np.uint8)
 """Gaps that are closed in a mask: far away the bar is thinner than a pixel."""
 
@@ -142,23 +146,23 @@ def _turned(points: Float64s, angle: float) -> Float64s:
 
 
 def _share(colored: Pixels, angle: float) -> float:
-    """The share of its bar that a quadrotor's hull takes up, in the box that holds it.
+    """The share of its bar that a quadrotor's hull takes up, in the box that holds it; 0 where that
+    is not to be seen.
 
-    What is beside the hull on one side only, as a lamp may be, does not count.
+    It is looked for right below the bar: farther below are lamps.
     """
-    height, width = colored.shape
-    column = np.arange(width)
-    filled = colored.any(0)
-    drop = height - np.argmax(colored[::-1] > 0, 0) - tan(angle) * column
-    tip = max(1, width // _END)
-    ends = np.concatenate([drop[:tip], drop[-tip:]])[np.concatenate([filled[:tip], filled[-tip:]])]
-    if not len(ends):
-        return 0.0
-    bar = float(np.median(ends))
-    low = filled & (drop > bar + _HULL_DROP * (float(drop[filled].max()) - bar))
-    halves = low[width // 2 :], low[: (width + 1) // 2][::-1]
-    runs = (int(np.argmin(half)) if not half.all() else len(half) for half in halves)
-    return float(min(1.0, 2 * min(runs) / width))
+    rows, columns = np.nonzero(colored)
+    width = colored.shape[1]
+    rows = np.rint(rows - tan(angle) * (columns - width / 2)).astype(int)
+    rows -= rows.min()
+    first, last = np.full(rows.max() + 1, width), np.full(rows.max() + 1, -1)
+    np.minimum.at(first, rows, columns)
+    np.maximum.at(last, rows, columns)
+    spans = last - first + 1
+    bar = int(np.flatnonzero(spans > _BAR * width)[-1]) + 1 if spans.max() > _BAR * width else 0
+    hull = spans[bar : bar + max(2, round(_BELOW * width))]
+    hull = hull[hull > 0]
+    return float(np.median(hull)) / width if len(hull) else 0.0
 
 
 def _range(share: float, half: float, size: float) -> tuple[float, float]:
@@ -169,7 +173,7 @@ def _range(share: float, half: float, size: float) -> tuple[float, float]:
     (b + g) / (r - a); the outermost is seen.
     """
     ranges = size * (_AHEAD + (_ASIDE + _GUARD) / half).max(1)
-    weights = np.exp(-0.5 * ((_SHARES - share) / _SHARE_ERROR) ** 2) + 1e-3
+    weights = np.exp(-0.5 * ((_SHARES - share) / _SHARE_ERROR) ** 2) + _ANY_HEADING
     weights /= weights.sum()
     mean = float(weights @ ranges)
     return mean, sqrt(max(0.0, float(weights @ (ranges - mean) ** 2)))

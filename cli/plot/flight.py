@@ -15,6 +15,7 @@ from typing import NamedTuple, TypeVar
 
 from cli.plot.axes import LABEL, axes_from_above, axes_over
 from cli.plot.canvas import XY, Box, Canvas, Color, text_width
+from cli.plot.distance import draw_distance
 from cli.plot.ground import draw_world, mark_start
 from cli.plot.lanes import Lane, lanes_of, states_of
 from cli.vehicle_colors import vehicle_colors
@@ -38,6 +39,8 @@ _LANES = 532
 _LANE = 20
 _ROW = 20
 """Height of a row of the legend."""
+_DISTANCES = 130
+"""Height of the panel of a referee."""
 _SWATCH = 24
 _MOST_POINTS = 3000
 """Of one line: more cannot be told apart."""
@@ -130,11 +133,17 @@ def picture(run: Run, flights: Sequence[Flight], world: World | None) -> bytes:
     lanes_end = _LANES + _LANE * len(lanes)
     has_setpoints = any(sample.setpoint for flight in flights for sample in flight.samples)
     legend = _legend_rows([*told, _TOLD_NAME] if has_setpoints else told)
+    contest = run.header.settings.referee if run.header.settings else None
     top = max(_MAP.bottom, lanes_end) + 44
+    if contest is not None:
+        distances = Box(_MAP.left, top + 22, _RIGHT, top + 22 + _DISTANCES)
+        top = distances.bottom + 44
     canvas = Canvas(_WIDTH, round(top + _ROW * len(legend) + 8))
     _draw_map(canvas, flights, world, colors)
     _draw_figures(canvas, flights, colors)
     _draw_lanes(canvas, flights, colors)
+    if contest is not None:
+        draw_distance(canvas, distances, run, contest)
     for number, row in enumerate(legend):
         for left, name in row:
             middle = top + _ROW * number + _ROW / 2

@@ -256,6 +256,8 @@ KEYS: tuple[Key, ...] = (
         "The world they fly in."),
     Key("until", FLEET, kinds.SCALAR,
         "A condition that ends the run: an expression over vehicles and `time`."),
+    Key("referee", FLEET, kinds.node(_MAP),
+        "The two vehicles whose distance is looked at, and what counts as near."),
     Key("description", FLEET, kinds.TEXT,
         "One sentence that says what they do."),
     Key("vehicles", FLEET, kinds.node(_MAP),
