@@ -37,6 +37,8 @@ SCAN_RATE = 0.8
 """With which it looks round for a road, rad/s."""
 ARRIVED = 0.2
 """Metres from the end of the road at which the vehicle is there."""
+BARE = 3.0
+"""Of the width: what goes on longer without an edge is no road."""
 FURTHER = 1.0
 """Metres after which a new search has its time anew."""
 UNSURE = 2.0
@@ -115,7 +117,7 @@ class FollowRoad(Behavior):
         self.here = self.station = seen.position
         self.yaw = seen.yaw
         self.direction: float = seen.yaw if params.direction is None else params.direction
-        self.turned = self.waited = self.since_end = self.searched_at = 0.0
+        self.turned = self.waited = self.since_end = self.searched_at = self.edged_at = 0.0
         self.flown: float = progress.get("flown", 0.0)
         self.road: Node | None = None
         """The last place of the road where it was."""
@@ -205,7 +207,7 @@ class FollowRoad(Behavior):
         is_end = line.ending == "end"
         reference.go_on([Node(place.x, place.y, heading, 0.0, False), *joined], is_end)
         self.line, self.ending, self.phase = reference, line.ending, "follow"
-        self.since_end = 0.0
+        self.since_end = self.edged_at = 0.0
 
     def _follow(self, flight: Flight, is_new: bool) -> str | None:
         seen, dt = flight.observation, flight.dt
@@ -232,8 +234,11 @@ class FollowRoad(Behavior):
 
     def _trace_on(self, line: LineReference) -> None:
         traced: CentreLine = self.sight.trace(line.settled, line.has_ended)
-        self.ending = traced.ending
-        if traced.ending != "none":
+        if traced.has_edges:
+            self.edged_at = line.way
+        is_bare = line.way > self.edged_at + BARE * self.sight.width
+        self.ending = "none" if is_bare else traced.ending
+        if self.ending != "none":
             line.go_on(traced.nodes, traced.ending == "end")
             self.road = line.nearest(self.here.x, self.here.y)
 

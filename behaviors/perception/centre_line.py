@@ -46,8 +46,6 @@ _UNEVEN = 0.15
 """Of the width: what may be wider or narrower and is still the road alone."""
 _HOLE = 0.25
 """Of the width: what interrupts a cut less than this is on the road."""
-_BARE = 3.0
-"""Of the width: what is longer and has no edges is no road."""
 _SPARE = 1.5
 """Of the width: the longest part of a line that is taken back before a corner or an end."""
 _RAYS = (-0.2, -0.1, 0.0, 0.1, 0.2)
@@ -100,6 +98,8 @@ class CentreLine:
     ending: Ending
     width: float
     """Of the road, metres."""
+    has_edges: bool
+    """Whether the road had an edge where it was expected."""
 
 
 @dataclass(frozen=True)
@@ -202,9 +202,7 @@ class _Tracer:
             ending = None if self._go_on() else self._beyond()
             if ending is not None or self._length >= reach:
                 break
-        if not self._has_edges and self._length > _BARE * self._width:
-            return CentreLine(tuple(self._nodes[:1]), "none", self._width)
-        return CentreLine(tuple(self._nodes), ending or "open", self._width)
+        return CentreLine(tuple(self._nodes), ending or "open", self._width, self._has_edges)
 
     def _go_on(self) -> bool:
         """Trace the next node; False where there is no road."""
