@@ -25,6 +25,8 @@ _UNSEEN = 0.5
 """Seconds without a sight of the target after which it is lost."""
 _SLOWLY = 0.05
 """Share of the height of the camera that is followed in each frame: tilt moves it up and down."""
+_STEEPEST = 0.36
+"""Slope at which it looks up or down at the target at most: it stays farther away instead."""
 _PREDICTED = 2.0
 """Seconds for which it is followed where it is expected."""
 
@@ -201,6 +203,8 @@ class Pursue(Behavior):
         along, across = speed.x * ux + speed.y * uy, speed.y * ux - speed.x * uy
         turning = across / far
         wanted = sqrt(max(params.nearest**2, params.distance**2 - params.above**2))
+        drop = reference.place.z + self.eye_height - self.track.position_at(now).z
+        wanted = max(wanted, abs(drop) / _STEEPEST)
         error = _beyond(far - wanted, params.dead_distance)
         if far < params.nearest:
             along = min(along, 0.0)

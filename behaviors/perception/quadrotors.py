@@ -38,7 +38,7 @@ _SHARES = (_HULL[0] * np.sin(_HEADINGS) + _HULL[1] * np.cos(_HEADINGS)) / (
     2 * (_ASIDE.max(1) + _GUARD)
 )
 """The share of the bar that the hull takes up, for each heading."""
-_SHARE_ERROR = 0.04
+_SHARE_ERROR = 0.03
 """Standard deviation of a measured share."""
 _ANY_HEADING = 0.02
 """Weight of a heading that does not fit at all: what is not a share of a hull tells nothing."""
