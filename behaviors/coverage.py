@@ -180,7 +180,7 @@ class _Strips:
         if high - low < 1e-3 or count > _MOST_LANES:
             message = f"an area {high - low:.3g} m wide cannot be flown over in {count} lanes"
             raise Unflyable(message, "area")
-        self._edges = np.linspace(low, high, count + 1)
+        self._edges: list[float] = np.linspace(low, high, count + 1).tolist()
         boxes = shapely.box(west - 1, self._edges[:-1], east + 1, self._edges[1:])
         cut = shapely.intersection(area, boxes)
         self._parts = [[part for part in _polygons(each) if part.area > _SMALL] for each in cut]
@@ -217,7 +217,7 @@ class _Strips:
             for part in parts:
                 west, _, east, _ = part.bounds
                 way += max(0.0, east - west - 2 * self._ahead) + turn
-        return way + float(self._edges[-1] - self._edges[0])
+        return way + self._edges[-1] - self._edges[0]
 
     def cells(self) -> list[list[tuple[XY, ...]]]:
         """The lanes of each cell, from one side to the other, each from west to east."""

@@ -127,12 +127,14 @@ class DetectTags(Behavior):
             )
         finder = finder_of(params.dictionary, params.ids, params.size, roundels=params.roundels)
         tracks = TagTracks(params.needed, params.of)
-        self.watch = TagWatch(flight, params.camera, finder, tracks, params.roll_pitch_thr)
+        self.watch = TagWatch(
+            flight, self.name, params.camera, finder, tracks, params.roll_pitch_thr
+        )
         self.nearest: Track | None = None
         self.published = Tags()
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        for sighting in self.watch.look(flight):
+        for sighting in self.watch.look(flight, self._is_centered):
             flight.raise_event("tag.seen", self._seen(sighting))
         visible = self.watch.visible(flight.now)
         self.nearest = _nearest(visible, self.nearest)

@@ -7,8 +7,7 @@ A mission gives a list; each entry is a name, or a map of a name to its settings
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from math import hypot, isfinite
 from typing import Any
@@ -16,12 +15,14 @@ from typing import Any
 import cv2
 import numpy as np
 
+from behaviors.action import arguments_of
 from behaviors.detector import BUILT_IN, Detector, OwnDetector, Sighting
 from behaviors.perception.blobs import Blob, blobs, touches_edge
 from behaviors.perception.color import ColorRange, hsv_mask, mask, read_color
 from behaviors.perception.fiducials import FiducialDetector
 from behaviors.perception.projection import ground_points, pixels_of
 from behaviors.plan import Unflyable
+from fsm.host import Parameter
 from fsm.values.conversion import convert
 from fsm.values.functions import EvaluationError, shown
 from hal.scene.arrays import Float64s, Pixels
@@ -47,26 +48,34 @@ _HINT = "such as [people, {color: {color: orange, size: 60 cm}}]"
 
 def _read(entry: Any, own: Mapping[str, OwnDetector]) -> Detector:
     name, settings = (entry, {}) if isinstance(entry, str) else _parts(entry)
-    if name not in _BUILT and name not in own:
+    if name in own:
+        return _own(own[name], settings)
+    if name not in _BUILT:
         hint = nearest(name, [*_BUILT, *own]) or ""
         raise Unflyable(f"there is no detector '{name}'", "detect", hint)
+    make = _BUILT[name]
+    given = _checked(name, settings, arguments_of(make))
     try:
-        if name in own:
-            return _own(own[name], settings)
-        _require_known(name, settings, inspect.signature(_BUILT[name]).parameters)
-        return _BUILT[name](**settings)
-    except (EvaluationError, TypeError, ValueError) as error:
-        if isinstance(error, Unflyable):
-            raise
+        return make(**given)
+    except ValueError as error:
         raise Unflyable(f"the detector '{name}': {error}", "detect") from None
 
 
-def _require_known(name: str, settings: Iterable[str], known: Collection[str]) -> None:
-    """Raises Unflyable for a setting that a detector does not have."""
+def _checked(
+    name: str, settings: Mapping[str, Any], known: Mapping[str, Parameter]
+) -> dict[str, Any]:
+    """Settings that a detector has, with all that it needs. Raises Unflyable for others."""
     for each in settings:
         if each not in known:
             hint = (nearest(each, known) or "") if known else "it has none"
             raise Unflyable(f"the detector '{name}' has no setting '{each}'", "detect", hint)
+    for each, setting in known.items():
+        if setting.required and each not in settings:
+            raise Unflyable(f"the detector '{name}' needs '{each}'", "detect")
+    try:
+        return {each: convert(value, known[each].type) for each, value in settings.items()}
+    except EvaluationError as error:
+        raise Unflyable(f"the detector '{name}': {error}", "detect") from None
 
 
 def _parts(entry: Any) -> tuple[str, Mapping[str, Any]]:
@@ -79,17 +88,10 @@ def _parts(entry: Any) -> tuple[str, Mapping[str, Any]]:
 
 
 def _own(own: OwnDetector, settings: Mapping[str, Any]) -> Detector:
-    """A person's function with the settings of a mission.
-
-    Raises EvaluationError for settings that do not fit its arguments.
-    """
+    """A person's function with the settings of a mission."""
     if own.function is None:
         return lambda frame, ground: []
-    _require_known(own.name, settings, own.parameters)
-    for each in own.parameters.values():
-        if each.required and each.name not in settings:
-            raise Unflyable(f"the detector '{own.name}' needs '{each.name}'", "detect")
-    given = {name: convert(value, own.parameters[name].type) for name, value in settings.items()}
+    given = _checked(own.name, settings, own.parameters)
     return partial(_called, own.name, partial(own.function, **given))
 
 
@@ -152,8 +154,8 @@ def color(
     metres, by default half the size. Raises ValueError for what is no colour, size or shape.
     """
     wanted = read_color(color)
-    if not isinstance(size, (int, float)) or not 0 < size < 1000:
-        raise ValueError(f"a size is a length above 0, not {size!r}")
+    if not 0 < size < 1000:
+        raise ValueError(f"a size is a length above 0, not {size:g}")
     if shape not in ("any", "round"):
         raise ValueError(f"a shape is any or round, not {shape!r:.20}")
     middle = size / 2 if height is None else float(height)

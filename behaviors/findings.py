@@ -56,9 +56,13 @@ class Thing:
     """Of the ground below it, metres."""
     seen_at: float = 0.0
     """Time of the last frame that shows it, seconds."""
+    pixel: tuple[float, float] = (0.0, 0.0)
+    """Where it is in that frame."""
     told_far: bool = False
     passing: bool = False
-    """Whether it has been seen since it was told last, or since it was found."""
+    """Whether it has been seen since it was passed."""
+    is_known: bool = False
+    """Whether it was found, and passed since."""
     picture: str = ""
     frame: Frame | None = field(default=None, repr=False)
     """The best frame of one that is not found yet."""
@@ -79,8 +83,8 @@ class Thing:
         """Whether it was seen often, and seldom not seen where it should have been."""
         return self.views >= _CONFIRMED and self.hits >= _SHARE * self.looks
 
-    def view(self, place: Point, frame: Frame) -> None:
-        """Take a view of it, at a place on the ground."""
+    def view(self, place: Point, pixel: tuple[float, float], frame: Frame) -> None:
+        """Take a view of it: a place on the ground, and the pixel where it is seen."""
         aside = horizontal_distance(frame.position, place)
         slope = aside / max(0.1, frame.position.z - place.z)
         weight = 1 / (_SIGMA**2 + (_HEIGHT_SIGMA * slope) ** 2)
@@ -89,7 +93,7 @@ class Thing:
         self.sum_x += weight * place.x
         self.sum_y += weight * place.y
         self.z = place.z
-        self.seen_at, self.passing = frame.time, True
+        self.seen_at, self.pixel, self.passing = frame.time, pixel, True
         if not self.is_found and (self.frame is None or aside < self.nearest):
             self.frame, self.nearest = frame, aside
 
@@ -110,8 +114,10 @@ class Findings:
         the vehicle is within ``radius`` of them over the ground, metres; only those at ``wanted``
         places count.
         """
-        self._near, self._radius, self._wanted = near, radius, wanted
+        self._near, self.radius, self._wanted = near, radius, wanted
         self.things: list[Thing] = []
+        self.in_view: list[Thing] = []
+        """Those seen in the last frame."""
 
     @property
     def found(self) -> list[Thing]:
@@ -124,7 +130,7 @@ class Findings:
             for sighting in sightings
             if (place := _placed(frame, sighting, ground)) and self._wanted(place)
         ]
-        seen = self._assigned(placed, frame)
+        seen = self.in_view = self._assigned(placed, frame)
         self._look(frame, ground(*frame.position[:2]), seen)
         return [
             *(news for thing in seen if (news := self._status(thing, frame))),
@@ -151,7 +157,8 @@ class Findings:
             taken[len(self.things)] = k
             self.things.append(Thing(placed[k][1].kind, placed[k][1].id))
         for number, k in taken.items():
-            self.things[number].view(placed[k][0], frame)
+            place, sighting = placed[k]
+            self.things[number].view(place, sighting.pixel, frame)
         return [self.things[number] for number in taken]
 
     def _look(self, frame: Frame, ground: float, seen: list[Thing]) -> None:
@@ -169,7 +176,7 @@ class Findings:
         """What is to be told of a thing that is in a frame."""
         if thing.is_found or not thing.is_certain:
             return None
-        if horizontal_distance(frame.position, thing.position) <= self._radius:
+        if horizontal_distance(frame.position, thing.position) <= self.radius:
             return self._find(thing)
         if thing.told_far:
             return None
@@ -187,8 +194,7 @@ class Findings:
         """Those found things that are out of sight again, with a better position."""
         for thing in self.things:
             if thing.is_found and thing.passing and now - thing.seen_at >= _GONE:
-                thing.passing = False
-                yield News(thing, "known")
+                yield _over(thing)
 
     def finish(self) -> list[News]:
         """The end: what was only seen from afar counts too, and all that was not told is."""
@@ -196,9 +202,9 @@ class Findings:
         for thing in self.things:
             if not thing.is_found and thing.is_certain:
                 news.append(self._find(thing))
-            elif thing.is_found and thing.passing:
                 thing.passing = False
-                news.append(News(thing, "known"))
+            elif thing.is_found and thing.passing:
+                news.append(_over(thing))
         return news
 
     def progress(self) -> list[dict[str, Any]]:
@@ -211,6 +217,12 @@ class Findings:
     def resume(self, progress: Iterable[Mapping[str, Any]]) -> None:
         """Go on from the progress of others."""
         self.things = [Thing(**thing) for thing in progress]
+
+
+def _over(thing: Thing) -> News:
+    """A found thing is passed."""
+    thing.passing, thing.is_known = False, True
+    return News(thing, "known")
 
 
 def _placed(frame: Frame, sighting: Sighting, ground: Ground) -> Point | None:

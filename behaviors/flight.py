@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+MOST_PIXELS = 10_000
+"""On a side of an annotated picture; JPEG has 65,500."""
+
 
 class NotInControl(RuntimeError):
     """A behaviour commanded something that it does not control."""
@@ -97,7 +100,8 @@ class Flight:
         ``draw`` gives the annotated picture, BGR, (height, width, 3). It is called, at once, only
         when the picture is kept, which is not the case for every call, so it must change nothing
         that the behaviour goes by. What it raises ends the behaviour in ``failed``. Raises
-        ValueError for a name that no folder gets, and TypeError when ``draw`` gives no picture.
+        ValueError for a name that no folder gets or a picture that is too large, and TypeError when
+        ``draw`` gives no picture.
         """
         if not PICTURE_NAME.fullmatch(name):
             hint = "up to 64 letters, digits, _ and -"
@@ -210,4 +214,9 @@ def _drawn(draw: Draw) -> NDArray[np.uint8]:
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
         told = f"{image.dtype} and {image.shape}"
         raise TypeError(f"a picture is of uint8 and (height, width, 3), not of {told}")
-    return image
+    if max(image.shape) > MOST_PIXELS:
+        height, width, _ = image.shape
+        raise ValueError(
+            f"a picture of {width} x {height} pixels is too large: {MOST_PIXELS} a side"
+        )
+    return image.copy()  # it is written after the period, and may be drawn upon again before

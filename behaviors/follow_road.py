@@ -8,17 +8,20 @@ from math import cos, hypot, pi, sin
 from typing import Any, ClassVar, Literal
 
 from behaviors.behavior import Behavior
+from behaviors.find_color import color_of
 from behaviors.flight import Flight
 from behaviors.guidance import Reference
 from behaviors.line_reference import LineReference
 from behaviors.manoeuvre import EPSILON
 from behaviors.params import BehaviorParams, live, param, value
+from behaviors.perception.annotations import GREEN, RED, circle, path
 from behaviors.perception.centre_line import CentreLine, Node, Widths
-from behaviors.perception.color import ColorRange, read_color
+from behaviors.perception.projection import pixels_of
 from behaviors.perception.road_mask import shaded
-from behaviors.plan import UNKNOWN, Legs, PlanStart, Unflyable
+from behaviors.plan import UNKNOWN, Legs, PlanStart
 from behaviors.road_sight import Look, RoadSight
 from fsm.host import Outcome
+from hal.scene.arrays import Pixels
 from hal.vehicle import Observation
 from vencejo.geometry import Point, wrap
 
@@ -92,12 +95,12 @@ class FollowRoad(Behavior):
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
         if params.color is not UNKNOWN:
-            _color(params)
+            color_of(params.color)
         return None  # where the road leads is known in flight
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen, progress = self.params, flight.observation, progress or {}
-        color = shaded(_color(params), params.shade)
+        color = shaded(color_of(params.color), params.shade)
         widths = Widths(params.min_width, max(params.min_width, params.max_width))
         self.height = seen.position.z if params.height is None else params.height
         self.height = progress.get("height", self.height)
@@ -129,6 +132,8 @@ class FollowRoad(Behavior):
         else:
             outcome = self._hover(flight, is_new)
         flight.publish(self._published(seen))
+        if is_new:
+            flight.picture("road", self._drawn)
         return outcome
 
     # Where it stands: it looks, turns, or searches.
@@ -195,7 +200,8 @@ class FollowRoad(Behavior):
         joined = line.nodes[line.nodes.index(nearest) + 1 :] or line.nodes[-1:]
         reference = LineReference(place)
         heading = joined[0].heading
-        reference.go_on([Node(place.x, place.y, heading, 0.0), *joined])
+        is_end = line.ending == "end"
+        reference.go_on([Node(place.x, place.y, heading, 0.0), *joined], is_end)
         self.line, self.ending, self.phase = reference, line.ending, "follow"
         self.since_end = 0.0
 
@@ -225,7 +231,7 @@ class FollowRoad(Behavior):
         traced: CentreLine = self.sight.trace(line.settled)
         self.ending = traced.ending
         if traced.ending != "none":
-            line.go_on(traced.nodes)
+            line.go_on(traced.nodes, traced.ending == "end")
             self.road = line.nearest(self.here.x, self.here.y)
 
     def _search(self, line: LineReference) -> None:
@@ -252,6 +258,17 @@ class FollowRoad(Behavior):
             visible=self.ending != "none",
         )
 
+    def _drawn(self) -> Pixels:
+        """The picture with the centre line as it is known, and the place that is flown at."""
+        frame = self.sight.frame
+        assert frame is not None
+        line, ground = self.line, self.params.ground
+        if line is None:
+            return frame.image
+        drawn = path(frame.image, frame, [(node.x, node.y, ground) for node in line.nodes], GREEN)
+        target = pixels_of(frame, [(*line.place(line.way), ground)])[0]
+        return circle(drawn, target, 4, RED)
+
     def progress(self) -> dict[str, Any]:
         return {
             "height": self.height,
@@ -259,11 +276,3 @@ class FollowRoad(Behavior):
             "road": list(self.road) if self.road else None,
             "width": self.sight.width,
         }
-
-
-def _color(params: Any) -> ColorRange:
-    """The colour of the road. Raises Unflyable."""
-    try:
-        return read_color(params.color)
-    except ValueError as error:
-        raise Unflyable(str(error), "color") from None

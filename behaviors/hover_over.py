@@ -80,7 +80,7 @@ class HoverOver(Behavior):
         wants_roundel = params.target == ROUNDEL
         ids = [] if wants_roundel else None if params.id is None else [params.id]
         finder = finder_of(params.dictionary, ids, params.size, roundels=wants_roundel)
-        self.watch = TagWatch(flight, CAMERA, finder, TagTracks())
+        self.watch = TagWatch(flight, self.name, CAMERA, finder, TagTracks())
         self.chase = Chase(seen)
         self.height, self.yaw = seen.position.z, seen.yaw
         self.here = seen.position
@@ -96,7 +96,7 @@ class HoverOver(Behavior):
 
     def step(self, flight: Flight) -> Outcome | str | None:
         self.here = flight.observation.position
-        self.watch.look(flight)
+        self.watch.look(flight, lambda place: self.over.above)
         visible = self.watch.visible(flight.now)
         if visible and self.tag not in visible:
             self.tag = min(visible, key=lambda track: track.place.radius)

@@ -30,7 +30,9 @@ FUNNEL, SLOPE = 0.06, 0.15
 each metre of height."""
 FRESH, BLIND = 0.3, 2.2
 """Seconds without a sight after which it does not descend, and after which it climbs to look."""
-UNSURE = 0.7
+PAD_ACCELERATION = 2.0
+"""Standard deviation of a pad's acceleration, m/s²: enough for one that goes round a bend."""
+UNSURE = 0.5
 """Standard deviation of a pad's speed above which it is not waited for but looked for, m/s."""
 FOLLOWED = 4.0
 """Seconds for which it goes on with a pad that it does not see."""
@@ -125,7 +127,7 @@ class LandOn(Behavior):
             flight,
             params.camera,
             marker,
-            acceleration=0.5,
+            acceleration=PAD_ACCELERATION,
             most_tilt=params.roll_pitch_thr,
         )
         self.chase = Chase(seen)
@@ -287,8 +289,7 @@ class LandOn(Behavior):
 
     def _is_unsure(self) -> bool:
         """Whether it has been seen for too short a time to tell how fast it is."""
-        track, seen = self.watch.track, self._seen_at()
-        return track.deviation_at(seen + 1.0) - track.deviation_at(seen) > UNSURE
+        return self.watch.track.speed_deviation > UNSURE
 
     def _off(self, flight: Flight) -> float:
         """The distance from over its middle."""

@@ -11,10 +11,9 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
-from math import hypot, inf, sqrt
+from math import hypot, inf, pi, sqrt
 
 from behaviors.guidance import (
-    ACCELERATION,
     CATCH_UP,
     MAX_LEAD,
     SMOOTHING,
@@ -25,8 +24,10 @@ from behaviors.perception.centre_line import XY, Node
 from hal.vehicle import PERIOD, Observation, Position
 from vencejo.geometry import Point, distance, wrap
 
-BRAKING = 1.5
+BRAKING = 2.0
 """Deceleration with which it slows down before bends and the end of what is known, m/s²."""
+HARDEST = 2.5
+"""The largest deceleration, for what comes into sight late, m/s²."""
 CORNERING = 2.0
 """Largest acceleration in a bend, m/s²."""
 SETTLED = 0.2
@@ -35,6 +36,8 @@ _CORNER = 0.25
 """Turns from node to node above this are corners, radians."""
 _ROUNDING = 0.3
 """Way over which the reference turns in a corner, metres."""
+_UNKNOWN = sqrt(CORNERING * _ROUNDING / (pi / 2))
+"""Speed where the line is not known any further, m/s: there may be a corner."""
 _KEPT = 40
 """Nodes behind the carrot that are kept at least."""
 _ENDED = 0.01
@@ -91,8 +94,10 @@ class LineReference:
     def _settled_number(self) -> int:
         return min(bisect_right(self._ways, self.way + SETTLED), len(self.nodes) - 1)
 
-    def go_on(self, nodes: Sequence[Node]) -> None:
-        """Know the line from the last settled node on, which is the first of these."""
+    def go_on(self, nodes: Sequence[Node], is_end: bool) -> None:
+        """Know the line from the last settled node on, which is the first of these; ``is_end``:
+        up to its end.
+        """
         if self.nodes:
             keep = self._settled_number() + 1
             self.nodes[keep:] = nodes[1:]
@@ -102,7 +107,7 @@ class LineReference:
         for before, node in pairwise(self.nodes[len(self._ways) - 1 :]):
             self._ways.append(self._ways[-1] + hypot(node.x - before.x, node.y - before.y))
         self._forget()
-        self._limits = self._speeds()
+        self._limits = self._speeds(0.0 if is_end else _UNKNOWN)
 
     def _forget(self) -> None:
         spare = bisect_right(self._ways, self.way) - 2 * _KEPT
@@ -110,15 +115,15 @@ class LineReference:
             drop = spare + _KEPT
             del self.nodes[:drop], self._ways[:drop]
 
-    def _speeds(self) -> list[float]:
-        """The speed at each node at most: none at the last one."""
+    def _speeds(self, end: float) -> list[float]:
+        """The speed at each node at most; ``end``: that at the last one."""
         most = [inf] * len(self.nodes)
         for k, (before, node) in enumerate(pairwise(self.nodes), start=1):
             turn = abs(wrap(node.heading - before.heading))
             bend = turn / _ROUNDING if turn > _CORNER else abs(node.curvature)
             if bend > 0:
                 most[k] = sqrt(CORNERING / bend)
-        most[-1] = 0.0
+        most[-1] = end
         for k in reversed(range(len(most) - 1)):
             way = self._ways[k + 1] - self._ways[k]
             most[k] = min(most[k], sqrt(most[k + 1] ** 2 + 2 * BRAKING * way))
@@ -129,7 +134,7 @@ class LineReference:
         self._periods.push(dt)
         wanted = min(speed, self._limit(dt), self._leash(vehicle))
         faster = acceleration_at(speed) * dt
-        self.speed += max(-ACCELERATION * dt, min(faster, wanted - self.speed))
+        self.speed += max(-HARDEST * dt, min(faster, wanted - self.speed))
         self.way = min(self._ways[-1], self.way + self.speed * dt)
         x, y = self.place(self.way)
         self._places = [*self._places[1:], (self._x.push(x), self._y.push(y))]

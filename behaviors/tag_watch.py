@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from behaviors.flight import Flight
+from behaviors.perception.annotations import BLUE, GREEN, circle, marker, rejected
 from behaviors.perception.projection import tilt_of
 from behaviors.perception.tag_tracks import Sighting, TagTracks, Track
-from behaviors.perception.tags import TagFinder
+from behaviors.perception.tags import Place, TagFinder
 from behaviors.plan import Unflyable
+from hal.scene.arrays import Pixels
+from hal.vehicle import Frame
 
 FORGOTTEN = 1.0
 """Seconds without a picture that counts after which no tag is visible any more."""
+_LEAST_CIRCLE = 8.0
+"""Radius of the smallest circle that is drawn about a tag, pixels."""
 
 
 class TagWatch:
@@ -20,25 +28,29 @@ class TagWatch:
     def __init__(
         self,
         flight: Flight,
+        name: str,
         camera: str,
         finder: TagFinder,
         tracks: TagTracks,
         most_tilt: float | None = None,
     ) -> None:
-        """Pictures taken at more than ``most_tilt`` radians are ignored.
-
-        Raises hal's Unavailable where there is no such camera.
+        """``name`` is that of the annotated pictures. Frames taken at more than ``most_tilt``
+        radians are ignored. Raises hal's Unavailable where there is no such camera.
         """
         self._camera = flight.camera(camera)
         self._finder = finder
         self._tracks = tracks
         self._most_tilt = most_tilt
+        self._name = name
         self._sequence = -1
         self._time = flight.now
         """Capture time of the last picture that counted, seconds."""
 
-    def look(self, flight: Flight) -> list[Sighting]:
-        """Look through the newest frame, if it is a new one; what was sighted in it."""
+    def look(self, flight: Flight, is_near: Callable[[Place], bool]) -> list[Sighting]:
+        """Look through the newest frame, if it is a new one; what was sighted in it.
+
+        Annotated pictures have a green circle about what ``is_near`` to where it is wanted.
+        """
         frame = self._camera.latest()
         if frame is None or frame.sequence == self._sequence:
             return []
@@ -46,7 +58,20 @@ class TagWatch:
         if self._most_tilt is not None and tilt_of(flight.observation.attitude) > self._most_tilt:
             return []
         self._time = frame.time
-        return self._tracks.update(frame, self._finder.find(frame, _ground_below(flight)))
+        sighted = self._tracks.update(frame, self._finder.find(frame, _ground_below(flight)))
+        flight.picture(self._name, lambda: self._drawn(frame, is_near))
+        return sighted
+
+    def _drawn(self, frame: Frame, is_near: Callable[[Place], bool]) -> Pixels:
+        """The frame with its tags: found ones with their axes, each with a circle about it."""
+        image = rejected(frame.image, self._finder.rejected)
+        for track in self._tracks.visible:
+            if track.time == frame.time:
+                image = marker(image, track.tag.corners)
+            color = GREEN if is_near(track.place) else BLUE
+            radius = max(_LEAST_CIRCLE, 0.9 * float(np.ptp(track.tag.corners, axis=0).max()))
+            image = circle(image, track.pixel, radius, color, f"{track.id}")
+        return image
 
     def visible(self, now: float) -> list[Track]:
         """The tags in view."""

@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 from behaviors import Pilot
+from behaviors.perception.annotations import text_line
 from bench.machine import machine
 from fsm import parse_parameters
 from fsm.engine.instance import Record
@@ -110,31 +111,41 @@ def rates(world: World, name: str, images: int) -> dict[str, float]:
 
 @dataclass
 class _Reader:
-    """Reads every frame of some cameras."""
+    """Reads every frame of some cameras, and shows it annotated if asked for ``pictures``."""
 
     cameras: tuple[str, ...]
+    pictures: bool = False
     frames: int = 0
 
     def show(self, pilot: Pilot, records: Sequence[Record]) -> None:
         for name in self.cameras:
             pilot.vehicle.use_camera(name)
-            if pilot.channel.camera(name).latest() is not None:
+            frame = pilot.channel.camera(name).latest()
+            if frame is not None:
                 self.frames += 1
+                if self.pictures:
+                    draw = partial(text_line, frame.image, f"{self.frames} frames")
+                    pilot.channel.on_picture(name, draw)
 
 
 def factor(
-    world: Path, cameras: tuple[str, ...], settings: dict[str, object], frames: bool | None = None
+    world: Path,
+    cameras: tuple[str, ...],
+    settings: dict[str, object],
+    frames: bool | None = None,
+    pictures: bool = False,
 ) -> float:
     """Mission time over CPU time of one flight, its first image included.
 
     ``frames``: with a run folder, with frames in it or without; None for no run folder.
+    ``pictures``: with annotated pictures of every camera in it.
     """
     prepared = prepare(missions.find("first_flight"), str(world))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}), settings=settings)
     with TemporaryDirectory() as folder:
         record = None if frames is None else lambda: Recorder(Path(folder), frames=frames)
         began = process_time()
-        flown = fly(plan, record, [_Reader(cameras)] if cameras else [])
+        flown = fly(plan, record, [_Reader(cameras, pictures)] if cameras else [])
         took = process_time() - began
     assert flown.alone.outcome == "done", flown.alone.reason
     return flown.mission_time / took
@@ -162,6 +173,9 @@ def main() -> None:
             "one, noise and distortion": partial(fly_with, ("front",), noisy),
             "one camera, run folder": partial(fly_with, ("front",), {}, frames=False),
             "the same, frames kept": partial(fly_with, ("front",), {}, frames=True),
+            "the same, and annotated": partial(
+                fly_with, ("front",), {}, frames=True, pictures=True
+            ),
             "two cameras": partial(fly_with, ("front", "ventral"), {}),
             "one camera, tiny": partial(fly_with, ("front",), {"renderer": "tiny"}),
         }

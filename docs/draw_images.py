@@ -16,7 +16,10 @@ from cli.live_view import LiveView
 from cli.look import render
 from cli.plot import draw
 from cli.plot.plan import Planned, draw_plan
+from docs.draw_landings import draw_landings
 from docs.draw_responses import draw_responses
+from docs.draw_sweep import draw_sweep
+from docs.draw_tags import draw_tags
 from fsm import parse_parameters
 from fsm.drawing import write_svg
 from fsm.engine.instance import Record
@@ -98,6 +101,9 @@ def main() -> None:
     draw_plan_of("survey_square")
     draw_worlds()
     draw_responses(IMAGES / "responses.png")
+    draw_tags()
+    draw_sweep(IMAGES / "vision" / "sweep_detect.jpg")
+    draw_landings()
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))
     console = Console(record=True, width=96, height=28, file=io.StringIO(), force_terminal=True)

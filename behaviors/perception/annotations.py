@@ -55,12 +55,13 @@ def section(
     left: Sequence[float],
     right: Sequence[float],
     reference: Sequence[float] | None = None,
+    color: Color = BLUE,
 ) -> Pixels:
     """A section of a road: its ends with a line between, and the reference point steered for."""
     drawn = image.copy()
-    _polyline(drawn, np.array([left, right], float), GREEN)
+    _polyline(drawn, np.array([left, right], float), color)
     for end in (left, right):
-        _cross(drawn, end, GREEN, 3)
+        _cross(drawn, end, color, 3)
     if reference is not None:
         _disc(drawn, reference, RED, 3)
     return drawn

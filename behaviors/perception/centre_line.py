@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, ceil, cos, hypot, pi, sin, tan
+from math import atan2, ceil, cos, exp, hypot, pi, sin, tan
 from typing import Literal, NamedTuple
 
 import cv2
@@ -32,16 +32,14 @@ XY = tuple[float, float]
 Ending = Literal["open", "end", "none"]
 """How a traced line ends: where nothing was seen yet; where the road does; or there is no road."""
 
-_MEMORY = 0.55
-"""How much of the past the filter keeps, 0 to 1."""
-_PLACE = 1 - _MEMORY**3
-_HEADING = 1.5 * (1 - _MEMORY**2) * (1 - _MEMORY)
-_CURVATURE = (1 - _MEMORY) ** 3
-"""The gains of place, heading and curvature."""
+_MEMORY = 0.42
+"""Of the width: the way after which the filter remembers 1/e of what it knew."""
 _STEP = 0.25
 """Of the width: from node to node."""
-_SHORTEST_STEP, _LONGEST_STEP = 0.1, 0.3
+_SHORTEST_STEP, _LONGEST_STEP = 0.1, 0.5
 """Metres."""
+_SHARPEST = 1.5
+"""Times the width: the sharpest curvature that is no corner."""
 _ASIDE = 0.6
 """Of the width: a road that is farther from where it was expected is not this one."""
 _UNEVEN = 0.15
@@ -50,12 +48,16 @@ _HOLE = 0.25
 """Of the width: what interrupts a cut less than this is on the road."""
 _SPARE = 1.5
 """Of the width: the longest part of a line that is taken back before a corner or an end."""
+_RAYS = (-0.2, -0.1, 0.0, 0.1, 0.2)
+"""Of the width: beside the line, along which its end is looked for."""
 _FAN = 0.45
 """Angle within which the road may go on beyond a gap, radians to each side."""
 _RINGS = (0.95, 1.8, 3.0)
 """Of the width: the distances from a corner at which the ways out are looked for."""
 _DIRECTIONS = 72
 """On such a ring."""
+_AHEAD = 0.35
+"""Angle from straight ahead within which a way out is no turn, radians."""
 _BEHIND = 0.9
 """Angle from the way back within which no way leads out, radians, at the nearest ring."""
 
@@ -248,11 +250,15 @@ class _Tracer:
         end = last._replace(x=along(last, far)[0], y=along(last, far)[1], curvature=0.0)
         if not self._is_on_road(end):
             return "none"
-        if self._turn(end):
+        if self._turn(end, _RINGS[0]):
             return None
         if far > 0.02:
             self._add(end)
-        return self._cross(end)
+        ending = self._cross(end)
+        # Only the end of a road may be the tip of a hairpin: a way back may be another road's.
+        if ending == "end" and any(self._turn(end, ring) for ring in _RINGS[1:]):
+            return None
+        return ending
 
     def _drop_uneven(self) -> None:
         """Take back the nodes of a corner or a road's end, whose edges are not the line's."""
@@ -270,12 +276,19 @@ class _Tracer:
         most = (_SPARE + 2) * self._width
         ways = np.linspace(0, most, ceil(most / (0.5 * self._ground.cell)))
         ahead = np.array([cos(last.heading), sin(last.heading)])
-        share, seen = self._ground.sample(np.array(last[:2]) + ways[:, None] * ahead)
-        outside = np.flatnonzero(~((share > 0.5) & seen))
-        if not len(outside):
+        left = np.array([-ahead[1], ahead[0]])
+        asides = np.array(_RAYS)[:, None, None] * self._width * left
+        share, seen = self._ground.sample(
+            (np.array(last[:2]) + asides + ways[:, None] * ahead).reshape(-1, 2)
+        )
+        inside = ((share > 0.5) & seen).reshape(len(_RAYS), -1).mean(0) > 0.5
+        # A hole is no end.
+        hole = max(1, round(_HOLE * self._width / (ways[1] - ways[0])))
+        spans = _spans(~inside)
+        first = next((a for a, b in spans if b - a >= hole or b == len(ways) - 1), None)
+        if first is None:
             return 0.0, False
-        first = int(outside[0])
-        return float(ways[max(0, first - 1)]), bool(seen[first])
+        return float(ways[max(0, first - 1)]), bool(seen.reshape(len(_RAYS), -1)[:, first].all())
 
     def _is_on_road(self, end: Node) -> bool:
         """Whether there is road before an end."""
@@ -284,30 +297,30 @@ class _Tracer:
         share, seen = self._ground.sample(behind)
         return bool(((share > 0.5) & seen).mean() > 0.5)
 
-    def _turn(self, end: Node) -> bool:
-        """Go on by a way that leaves the road half a width before its end."""
+    def _turn(self, end: Node, ring: float) -> bool:
+        """Go on by a way that leaves the road half a width before its end, where it is so many
+        widths away from there.
+        """
         back = self._width / 2
         corner = Node(
             end.x - back * cos(end.heading), end.y - back * sin(end.heading), end.heading, 0.0
         )
-        for ring in _RINGS:
-            outs = exits(self._ground, corner[:2], ring * self._width, self._width)
-            turn_back = end.heading + pi
-            ways = [
-                out
-                for out in outs
-                if abs(wrap(out - turn_back)) > _BEHIND / (ring / _RINGS[0])
-                and abs(wrap(out - end.heading)) > 0.35
-                and self._is_new(corner, out, ring * self._width)
-            ]
-            if ways:
-                out = min(ways, key=lambda way: abs(wrap(way - end.heading)))
-                self._drop_beyond(corner)
-                turned = corner._replace(heading=wrap(out))
-                self._add(turned)
-                self._even = len(self._nodes)
-                return True
-        return False
+        outs = exits(self._ground, corner[:2], ring * self._width, self._width)
+        turn_back = end.heading + pi
+        ways = [
+            out
+            for out in outs
+            if abs(wrap(out - turn_back)) > _BEHIND / (ring / _RINGS[0])
+            and abs(wrap(out - end.heading)) > _AHEAD
+            and self._is_new(corner, out, ring * self._width)
+        ]
+        if not ways:
+            return False
+        out = min(ways, key=lambda way: abs(wrap(way - end.heading)))
+        self._drop_beyond(corner)
+        self._add(corner._replace(heading=wrap(out)))
+        self._even = len(self._nodes)
+        return True
 
     def _is_new(self, corner: Node, out: float, far: float) -> bool:
         """Whether a way out leads over road, away from the line so far."""
@@ -386,15 +399,21 @@ def corrected(last: Node, step: float, aside: float, width: float) -> Node:
     """The node after another, when the road lies ``aside`` metres left of where it was expected."""
     x, y = along(last, step)
     heading = last.heading + last.curvature * step
-    shift = _PLACE * aside
-    most = 1.5 / width
-    curvature = last.curvature + _CURVATURE * aside / step**2
+    kept = exp(-step / (_MEMORY * width))
+    shift = (1 - kept**3) * aside
+    turn = 1.5 * (1 - kept**2) * (1 - kept) * aside / step
+    bend = (1 - kept) ** 3 * aside / step**2
+    most = _SHARPEST / width
     return Node(
         x - shift * sin(heading),
         y + shift * cos(heading),
-        wrap(heading + _HEADING * aside / step),
-        max(-most, min(most, curvature)),
+        wrap(heading + _within(turn, most * step)),
+        _within(last.curvature + bend, most),
     )
+
+
+def _within(number: float, most: float) -> float:
+    return max(-most, min(most, number))
 
 
 def _away(run: Run) -> float:

@@ -45,7 +45,7 @@ class GroundMap:
         self._lens: tuple[Intrinsics, tuple[Float32s, Float32s]] | None = None
 
     def add(self, mask: Pixels, frame: Frame) -> bool:
-        """Look at the mask (height, width; 0 or 255) of a frame.
+        """Look at the mask (height, width; 0 to 255) of a frame.
 
         False for a frame that looks too far, or up, or is too small, which changes nothing.
         """

@@ -12,8 +12,10 @@ from hal.scene.arrays import Pixels
 
 _SPECKS = 3
 """Side of the square whose median takes single wrong pixels out, pixels."""
-_GRAIN = 5
+_GRAIN = 7
 """Side of the square over which what is left of the noise is averaged, pixels."""
+_HOLES = 5
+"""Side of the square over which the pixels that are road are averaged, pixels."""
 
 
 def shaded(wanted: ColorRange, shade: float) -> ColorRange:
@@ -28,10 +30,11 @@ def shaded(wanted: ColorRange, shade: float) -> ColorRange:
 
 
 def road_mask(image: Pixels, wanted: ColorRange) -> Pixels:
-    """The pixels of a BGR image in a range of colours, 255 there, else 0.
+    """How much the pixels of a BGR image are in a range of colours, 255 for those that are.
 
     Noise is taken out before: a tenth of the pixels may be black or white, or all of them be off by
     25 grey levels.
     """
     clean = cv2.blur(cv2.medianBlur(image, _SPECKS), (_GRAIN, _GRAIN))
-    return mask(np.asarray(clean, np.uint8), wanted)
+    found = mask(np.asarray(clean, np.uint8), wanted)
+    return np.asarray(cv2.blur(found, (_HOLES, _HOLES)), np.uint8)

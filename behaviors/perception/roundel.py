@@ -7,7 +7,7 @@ the disc, so that distance and bar are measured on the disc, however obliquely i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, hypot, pi, sqrt
 
@@ -22,6 +22,8 @@ _LEVELS = (0.25, 0.5)
 roundel in the shade of a bright scene."""
 _SMALLEST = 10
 """Diameter of the smallest disc that is looked for, pixels."""
+_SHORTEST = 8
+"""Pixels of the shortest outline that is looked at: of the hole in the smallest disc."""
 _FLATTEST = 0.3
 """Least ratio of the axes of the ellipse: seen more obliquely it is none."""
 _ROUNDNESS = 0.12
@@ -84,26 +86,24 @@ def _at_level(grey: Pixels, level: float) -> Iterator[Roundel]:
     found, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     if not found:
         return
-    outlines = [np.asarray(outline, np.int32).reshape(-1, 2) for outline in found]
-    tree = np.asarray(hierarchy, np.int32).reshape(-1, 4)
-    outer = [k for k in range(len(outlines)) if tree[k][3] < 0]
-    bars = [k for k in outer if tree[k][2] < 0 and len(outlines[k]) >= _SMALLEST]
-    for k in outer:
-        disc = _disc_of(outlines[k]) if tree[k][2] >= 0 else None
-        if disc is None or not _has_hole(disc, _children(outlines, tree, k)):
-            continue
-        places = (disc.place_of_line(outlines[bar]) for bar in bars)
+    parents = np.asarray(hierarchy, np.int32).reshape(-1, 4)[:, 3].tolist()
+    # Noise makes many outlines, all short.
+    long = {
+        k: np.asarray(outline, np.int32).reshape(-1, 2)
+        for k, outline in enumerate(found)
+        if len(outline) >= _SHORTEST
+    }
+    holes: dict[int, list[Int32s]] = {}
+    for k, outline in long.items():
+        if parents[k] in long:
+            holes.setdefault(parents[k], []).append(outline)
+    bars = [long[k] for k in long if parents[k] < 0 and k not in holes]
+    for k, inside in holes.items():
+        disc = _disc_of(long[k], max(inside, key=cv2.contourArea))
+        places = (disc.place_of_line(bar) for bar in bars) if disc else ()
         line = next((place for place in places if place is not None), None)
-        if line is not None:
+        if disc is not None and line is not None:
             yield disc.roundel(line)
-
-
-def _children(outlines: Sequence[Int32s], tree: Int32s, parent: int) -> Iterator[Int32s]:
-    """The outlines of the holes of a component."""
-    k = int(tree[parent][2])
-    while k >= 0:
-        yield outlines[k]
-        k = int(tree[k][0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +114,6 @@ class _Disc:
     to_image: Float64s
     """From the disc to the image, but for a turn of the disc, (2, 2)."""
     diameter: float
-    area: float
 
     def on_disc(self, pixels: Int32s | Float64s) -> Float64s:
         """Pixels in radii of the disc."""
@@ -150,26 +149,20 @@ class _Disc:
         )
 
 
-def _disc_of(outline: Int32s) -> _Disc | None:
-    """The disc whose outline it may be; None for what is no ellipse."""
-    _, _, width, height = cv2.boundingRect(outline)
-    if max(width, height) < _SMALLEST or len(outline) < _SMALLEST:
+def _disc_of(outline: Int32s, hole: Int32s) -> _Disc | None:
+    """The disc whose outline it may be, with its largest hole; None for what is no disc."""
+    area = cv2.contourArea(outline)
+    share = cv2.contourArea(hole) / area if area else 0.0
+    if not 0.4 < share / _HOLE_SHARE < 2.0 or np.ptp(outline, axis=0).max() < _SMALLEST - 1:
         return None
     (x, y), axes, turn = cv2.fitEllipse(outline)
     ellipse = pi / 4 * axes[0] * axes[1]
-    short, long = min(axes), max(axes)
-    area = cv2.contourArea(outline)
-    if short < _FLATTEST * long or abs(area - ellipse) > _ROUNDNESS * ellipse:
+    if min(axes) < _FLATTEST * max(axes) or abs(area - ellipse) > _ROUNDNESS * ellipse:
         return None
     angle = np.deg2rad(turn)
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     # The outline runs through the middle of the outermost pixels: it is half a pixel too near.
-    return _Disc(np.array([x, y]), turned * (np.array(axes) + 1) / 2, float(long) + 1, area)
-
-
-def _has_hole(disc: _Disc, holes: Iterator[Int32s]) -> bool:
-    """Whether the largest hole of a disc is the white rectangle."""
-    area, hole = max(((cv2.contourArea(hole), hole) for hole in holes), key=lambda each: each[0])
-    middle = disc.on_disc(hole.mean(0))
-    fits = 0.4 < area / disc.area / _HOLE_SHARE < 2.0
-    return fits and float(np.hypot(*middle)) < 0.25
+    sides = np.array(axes) + 1
+    disc = _Disc(np.array([x, y]), turned * sides / 2, float(sides.max()))
+    off = disc.on_disc(hole.mean(0))
+    return disc if float(np.hypot(*off)) < 0.25 else None

@@ -23,7 +23,9 @@ NEAR = 0.5
 _NEAR_IN_PICTURE = 0.25
 """That where no position is known, as a share of the picture's width."""
 _STEP = 0.05
-"""What counts as nearer to the middle or farther from it, as a share of the picture's height."""
+"""What counts as an approach to the middle of the picture, as a share of its height."""
+_AWAY = 0.01
+"""How much farther from the middle than it was a tag must be to have passed it, as such a share."""
 _ENDED = 0.5
 """Seconds without having come nearer after which an approach to the middle has ended."""
 
@@ -46,9 +48,9 @@ class _Approach:
     One approach after another: a new one begins when the tag has gone away from the middle.
     """
 
-    def __init__(self, first: Sighting, step: float) -> None:
-        """``step`` is the least difference of distances that counts, pixels."""
-        self._step = step
+    def __init__(self, first: Sighting, height: int) -> None:
+        """``height`` is that of the picture, pixels."""
+        self._step, self._away = _STEP * height, _AWAY * height
         self._told = first.place.radius
         self._nearest = first
 
@@ -57,7 +59,7 @@ class _Approach:
         radius = seen.place.radius
         if radius < self._nearest.place.radius:
             self._nearest = seen
-        turned_away = radius > self._nearest.place.radius + self._step
+        turned_away = radius > self._nearest.place.radius + self._away
         ended = self.end() if turned_away or seen.time - self._nearest.time > _ENDED else None
         if radius > self._told + 2 * self._step:
             self._told, self._nearest = radius, seen
@@ -193,7 +195,7 @@ class TagTracks:
             if track.kind == ROUNDEL:
                 track.id = self._number_of(track.tag.position)
             first = track.sighting()
-            track.approach = _Approach(first, _STEP * frame.intrinsics.height)
+            track.approach = _Approach(first, frame.intrinsics.height)
             sighted.append(first)
         elif track.approach is not None and track.time == frame.time:
             sighted.append(track.approach.follow(track.sighting()))

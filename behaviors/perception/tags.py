@@ -22,8 +22,8 @@ from vencejo.geometry import Point, distance, turned, wrap
 ROUNDEL = "roundel"
 """The kind of a roundel; that of a marker is its dictionary."""
 _DOWN = 0.7
-"""A camera whose direction has at least this share downwards sees tags that lie; others, tags that
-stand."""
+"""A camera whose direction has at least this share downwards sees markers that lie; others, markers
+that stand. Roundels always lie."""
 _GROUND_ERROR = 0.05
 """Standard deviation of the height of a tag that is taken to lie on the ground, metres."""
 _SLANT = 0.02
@@ -103,6 +103,8 @@ class TagFinder:
         self._detector = None if wanted == [] else FiducialDetector(dictionary, wanted)
         self._finds_roundels = roundels
         self._size = size
+        self.rejected: tuple[Float64s, ...] = ()
+        """Corners (4, 2) of squares in the last frame that are no marker looked for, pixels."""
 
     def find(self, frame: Frame, ground: float = 0.0) -> list[Tag]:
         """The tags in a frame; ``ground`` is the height of the ground below, metres."""
@@ -113,7 +115,9 @@ class TagFinder:
 
     def _seen(self, frame: Frame) -> Iterator[tuple[str, int, Float64s, tuple[float, float]]]:
         if self._detector is not None:
-            for marker in self._detector.detect(frame.image).found:
+            detected = self._detector.detect(frame.image)
+            self.rejected = detected.rejected
+            for marker in detected.found:
                 yield self._dictionary, marker.id, marker.corners, marker.centre
         if self._finds_roundels:
             for seen in roundels(frame.image):
@@ -128,10 +132,10 @@ class TagFinder:
         corners: Float64s,
         pixel: tuple[float, float],
     ) -> Tag:
-        lies = turned((0.0, 0.0, 1.0), frame.attitude).z < -_DOWN
+        lies = kind == ROUNDEL or turned((0.0, 0.0, 1.0), frame.attitude).z < -_DOWN
         if self._size is not None:
             side = self._size * (INSCRIBED if kind == ROUNDEL else 1.0)
-            posture: Posture = "level" if lies else "upright"
+            posture: Posture = "level" if lies else "any"
             pose = marker_pose(frame, corners, side, posture)
             if pose is not None:
                 heading = wrap(pose.heading + pi / 2) if lies else pose.heading

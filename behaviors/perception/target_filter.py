@@ -64,6 +64,13 @@ class TargetFilter:
         _, covariance = self._predicted(time)
         return float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3])[-1]))
 
+    @property
+    def speed_deviation(self) -> float:
+        """The standard deviation of the velocity at the last measurement, along its least certain
+        axis, m/s.
+        """
+        return float(np.sqrt(np.linalg.eigvalsh(self._covariance[3:, 3:])[-1]))
+
     def distance(self, position: Sequence[float], covariance: Float64s, time: float) -> float:
         """The squared Mahalanobis distance of a measurement from where the target is expected."""
         state, expected = self._predicted(time)

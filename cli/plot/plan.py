@@ -90,9 +90,11 @@ def draw_plan(title: str, world: World, vehicles: Sequence[Planned]) -> bytes:
     places = [*((x, y) for x, y, _ in starts), *(p for each in entries for p in each.places())]
     axes = axes_from_above(_MAP, places, 0.12, 8.0)
     axes.grid(canvas, y_spacing=60)
+    for entry in entries:
+        _draw_areas(canvas, axes, entry)
     draw_world(canvas, axes, world)
     draw_fence(canvas, axes, world)
-    for draw in (_draw_areas, _draw_doubtful, _draw_legs, _draw_points):
+    for draw in (_draw_doubtful, _draw_legs, _draw_points):
         for entry in entries:
             draw(canvas, axes, entry)
     for x, y, _ in starts:
@@ -158,10 +160,12 @@ def _name(node: Node, graph: Graph) -> str:
 def _unknown(vehicles: Sequence[Planned]) -> Iterator[str]:
     """The states that fly where only the flight knows."""
     for each in vehicles:
+        drawn = {leg.node for leg in each.plan.paths.legs}
         for node in each.plan.paths.unknown:
             behavior = f" ({node.invocation.behavior.name})" if node.invocation else ""
             vehicle = f"{each.name}: " if each.name else ""
-            yield f"{vehicle}{_name(node, each.graph)}{behavior}"
+            partly = ", not always as drawn" if node in drawn else ""
+            yield f"{vehicle}{_name(node, each.graph)}{behavior}{partly}"
 
 
 # -- the map ---------------------------------------------------------------------------------------

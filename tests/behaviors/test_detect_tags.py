@@ -225,6 +225,23 @@ def test_pictures_of_one_colour_show_nothing(shape: tuple[int, ...], grey: int) 
     assert watcher.solo.outcome is None and watcher.solo.events == []
 
 
+def test_what_it_sees_is_drawn_when_somebody_looks() -> None:
+    watcher = Watcher(world_look(ROW))
+    drawn: list[tuple[str, Pixels]] = []
+    watcher.solo.channel.on_picture = lambda name, draw: drawn.append((name, draw()))
+    watcher.at(2.0, 0.3, periods=8)
+    green, blue = (60, 210, 60), (240, 120, 30)
+    assert {name for name, _ in drawn} == {"detect_tags"}
+    near = drawn[-1][1]
+    assert (near == green).all(-1).any() and not (near == blue).all(-1).any()
+    watcher.at(2.4, 0.3, periods=4)
+    assert (drawn[-1][1] == blue).all(-1).any(), "a circle of another colour off the middle"
+    before = len(drawn)
+    watcher.covered = True
+    watcher.at(2.4, 0.3, periods=40)
+    assert len(drawn) > before and not drawn[-1][1].any()
+
+
 def test_before_the_first_picture_there_is_nothing() -> None:
     watcher = Watcher(lambda pose, time: None)
     assert watcher.at(0, periods=40) == Tags()

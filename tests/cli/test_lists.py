@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -80,7 +81,7 @@ def test_fleets_are_listed_as_such() -> None:
             "fleet": True,
         },
     ]
-    assert "chase          (fleet) Two of them.\n" in run_cli("missions").out
+    assert re.search(r"^chase +\(fleet\) Two of them\.$", run_cli("missions").out, re.MULTILINE)
 
 
 def test_a_name_too_long_for_a_file_is_no_mission() -> None:

@@ -9,7 +9,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+BEHAVIORS = ROOT / "tests" / "behaviors"
+SIGHTED = [
+    str(path.relative_to(ROOT))
+    for path in sorted(BEHAVIORS.glob("test_*.py"))
+    if "tests.behaviors.sighted" in path.read_text("utf-8")
+]
+"""The tests of behaviours that see."""
 TESTS = (
+    "tests/behaviors/perception",
+    *SIGHTED,
+    "tests/hal/test_textures.py",
     "tests/cli/test_run.py",
     "tests/cli/test_pieces.py",
     "tests/runner/test_camera_logs.py",
@@ -23,6 +33,10 @@ TESTS = (
     "tests/hal/test_sim_cameras.py",
     "tests/fsm",
 )
+
+
+def test_behaviours_that_see_are_among_them() -> None:
+    assert "tests/behaviors/test_detect_tags.py" in SIGHTED
 
 
 @pytest.mark.slow

@@ -45,6 +45,7 @@ EVERY_COMMAND = {
     "new mine": 0,
     "picture flown": 0,
     "video flown": 2,
+    "findings flown": 2,
     "tune": 0,
     "tune color nothing.png --at 1,1": 2,
     "doctor": 0,

@@ -47,6 +47,10 @@ class Show(Behavior):
             return np.zeros((48, 64), np.uint8)
         if self.params.mistake == "nothing":
             return None
+        if self.params.mistake == "large":
+            return np.zeros((20000, 2, 3), np.uint8)
+        if self.params.mistake == "mirrored":
+            return np.zeros((48, 64, 3), np.uint8)[:, ::-2]
         self.drawn += 1
         with Path("drawn").open("a") as log:
             log.write("x")
@@ -157,6 +161,10 @@ def test_without_frames_none_is_drawn_and_nothing_else_changes(shower: str) -> N
             "TypeError: a picture is of uint8 and (height, width, 3), not of uint8 and (48, 64) "
             "(show.py:19)",
         ),
+        (
+            "large",
+            "ValueError: a picture of 2 x 20000 pixels is too large: 10000 a side (show.py:19)",
+        ),
         ("nothing", "TypeError: a picture is an array of numpy, not a NoneType (show.py:19)"),
         (
             "no/name",
@@ -172,6 +180,29 @@ def test_a_picture_that_cannot_be_drawn_is_a_failure_of_its_behavior(
     assert result.code == 1
     assert json.loads(result.out)["entered"][-1]["why"] == f"failed: {reason}"
     assert not list(only("runs").glob("pictures*"))
+
+
+def test_every_view_of_an_array_can_be_written(shower: str) -> None:
+    assert run_cli("run", shower, "-p", "mistake=mirrored").code == 0
+    picture = read_run(only("runs")).pictures[0]
+    assert cv2.imread(str(picture.path)).shape == (48, 32, 3)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full device")
+def test_a_full_disk_is_explained(
+    shower: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def full(parent: Path, stamp: str, mission: str) -> Path:
+        folder = tmp_path / "full"
+        folder.mkdir()
+        (folder / "pictures.jsonl").symlink_to("/dev/full")
+        return folder
+
+    monkeypatch.setattr("cli.run.new_folder", full)
+    result = run_cli("run", shower)
+    assert result.code == 4
+    told = "pictures.jsonl: error: cannot write into the run folder: No space left on device"
+    assert told in result.err and "--no-frames" in result.err
 
 
 def test_a_kill_leaves_whole_pictures_and_lines(shower: str) -> None:

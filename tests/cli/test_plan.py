@@ -57,6 +57,7 @@ world: yard
 fence: {through: [[-4, -4], [16, -4], [16, 16], [-4, 16]]}
 boxes:
   crate: {at: [9, 9], size: [2, 2, 1]}
+  in_the_area: {at: [8, 2], size: [1, 1, 1]}
 """
 FLEET = """\
 fleet: pair
@@ -139,7 +140,7 @@ def test_every_leg_area_route_and_point_is_drawn(tour: str, drawn: Drawn) -> Non
     assert LOOK in drawn.colors_at(3.0, 8.0)
     assert LOOK in drawn.colors_at(1.0, 1.0) and LOOK in drawn.colors_at(2.0, 1.0)
     crate, fence = (226, 226, 222), (214, 120, 120)
-    assert crate in drawn.colors_at(9.0, 9.0)
+    assert crate in drawn.colors_at(9.0, 9.0) and crate in drawn.colors_at(8.0, 2.0)
     assert drawn.axes is not None and fence not in drawn.colors_at(8.0, 12.0)
 
 

@@ -71,7 +71,7 @@ def test_every_size_of_image_is_drawn_on(size: tuple[int, int], name: str) -> No
 def test_a_section_shows_its_ends_and_the_reference_point() -> None:
     drawn = DRAWN["section"](GREY)
     for pixel in ((40, 200), (40, 197), (120, 204), (60, 201)):
-        assert is_drawn(drawn, pixel, GREEN)
+        assert is_drawn(drawn, pixel, BLUE)
     assert is_drawn(drawn, (80, 202), RED)
     assert not is_drawn(annotations.section(GREY, (40, 200), (120, 204)), (80, 202), RED)
 

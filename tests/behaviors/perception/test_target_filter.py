@@ -41,6 +41,16 @@ def test_nothing_is_known_before_the_first_sight() -> None:
     assert track.nearest([(line(0), CLEAR), (line(1), CLEAR)], 0.0) == 0
 
 
+def test_the_velocity_is_the_surer_the_longer_a_target_was_seen() -> None:
+    track = TargetFilter(acceleration=0.5)
+    track.update(line(0.0), CLEAR, 0.0)
+    assert track.speed_deviation == pytest.approx(2.0)
+    last = tracked(track, 0.5, PERIOD)
+    assert 0.1 < track.speed_deviation < 0.5
+    tracked(track, 3.0, last + PERIOD)
+    assert track.speed_deviation < 0.12
+
+
 def test_a_target_on_a_line_is_predicted_through_an_occlusion() -> None:
     track = TargetFilter(acceleration=0.5)
     last = tracked(track, 4.0)
