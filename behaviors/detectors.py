@@ -7,7 +7,7 @@ A mission gives a list; each entry is a name, or a map of a name to its settings
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from math import hypot, isfinite
 from typing import Any
@@ -98,13 +98,22 @@ def _own(own: OwnDetector, settings: Mapping[str, Any]) -> Detector:
 def _called(
     name: str, function: Callable[[Frame, float], Any], frame: Frame, ground: float
 ) -> list[Sighting]:
-    """What a person's function has found. Raises TypeError for anything else."""
-    found = list(function(frame, ground))
+    """What a person's function has found. Raises TypeError or ValueError for anything else."""
+    found = function(frame, ground)
+    if not isinstance(found, Iterable):
+        raise TypeError(f"the detector '{name}' gave {found!r:.40}, which is no list of Sighting")
+    found = list(found)
     for each in found:
         if not isinstance(each, Sighting):
             raise TypeError(f"the detector '{name}' gave {each!r:.40}, which is no Sighting")
-        if not all(isfinite(number) for number in (*each.pixel, each.height)):
-            raise ValueError(f"the detector '{name}' gave a pixel that is not finite")
+        try:
+            x, y = each.pixel
+            is_finite = all(map(isfinite, (x, y, each.height)))
+        except (TypeError, ValueError):
+            is_finite = False
+        if not is_finite:
+            place = f"{each.pixel!r:.40} and {each.height!r:.20}"
+            raise ValueError(f"the detector '{name}' gave {place}, no finite pixel and height")
     return found
 
 

@@ -260,7 +260,8 @@ class Planner:
         self._tell(Fault("broken-plan", message, node.where, hint, "warning"))
 
     def _tell(self, fault: Fault) -> None:
-        if fault not in self.faults:
+        """Keep a fault, but of those at one place only the first: others are of other values."""
+        if all((each.code, each.where) != (fault.code, fault.where) for each in self.faults):
             self.faults.append(fault)
 
     def _resolved(

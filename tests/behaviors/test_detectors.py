@@ -232,8 +232,11 @@ def test_a_detector_of_ones_own_is_given_frame_ground_and_settings() -> None:
     ("given", "error", "message"),
     [
         ([(1, 2)], TypeError, "no Sighting"),
-        (None, TypeError, "not iterable"),
-        ([Sighting("a", (float("nan"), 1.0))], ValueError, "not finite"),
+        (None, TypeError, "gave None, which is no list of Sighting"),
+        ([Sighting("a", (1.0, 2.0, 3.0))], ValueError, "no finite pixel"),  # type: ignore[arg-type]
+        ([Sighting("a", "ab")], ValueError, "no finite pixel"),  # type: ignore[arg-type]
+        ([Sighting("a", (1.0, 2.0), None)], ValueError, "no finite pixel"),  # type: ignore[arg-type]
+        ([Sighting("a", (float("nan"), 1.0))], ValueError, "no finite pixel"),
     ],
 )
 def test_what_it_gives_is_looked_at(given: Any, error: type[Exception], message: str) -> None:

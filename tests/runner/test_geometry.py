@@ -557,6 +557,15 @@ def test_a_parameter_that_must_be_given_is_not_left_empty() -> None:
         checked(text)
 
 
+def test_of_many_values_that_cannot_be_the_first_is_told() -> None:
+    go = "go: {do: find_color, with: {color: 'x_$n'}, on: {failed: home, operator.abort: ON}, STAY}"
+    again = "{target: go, reenter: true, actions: {set: {n: '${n + 1}'}}}"
+    stay = "states: {stay: {do: hover, after: {5 s: land}}}"
+    text = flight(go.replace("ON", again).replace("STAY", stay), "data: {n: 1}")
+    (fault,) = checked(text).faults
+    assert "there is no colour 'x_1'" in fault.message
+
+
 def test_a_name_that_the_flight_decides_is_no_error() -> None:
     photo = "go: {do: photo, with: {camera: front, name: 'n_$n', heading: $way}, on: {done: home}}"
     assert checked(flight(photo, "data: {n: 1, way: {type: heading, default: 1 rad}}")).faults == ()
