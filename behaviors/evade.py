@@ -14,7 +14,7 @@ from behaviors.flight import Flight
 from behaviors.guidance import BRAKING, STILL
 from behaviors.manoeuvre import EPSILON
 from behaviors.params import BehaviorParams, Route, param, value
-from behaviors.plan import Legs, PlannedLeg, PlanStart, Unflyable
+from behaviors.plan import Legs, PlannedLeg, PlanStart, Unflyable, is_known
 from behaviors.tracking_reference import Aim, TrackingReference
 from fsm.host import Outcome
 from vencejo.geometry import Point, bearing, distance, horizontal_distance, wrap
@@ -79,6 +79,8 @@ class Evade(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        if not (is_known(params.durations) and is_known(params.speeds)):
+            return None
         _check(params)
         left = sum(
             time * speed for time, speed in zip(params.durations, params.speeds, strict=True)

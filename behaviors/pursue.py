@@ -15,7 +15,7 @@ from behaviors.params import BehaviorParams, live, param, value
 from behaviors.perception.annotations import BLUE, GREEN, YELLOW, circle, rejected, text_line
 from behaviors.perception.color import ColorRange
 from behaviors.perception.projection import pixels_of
-from behaviors.plan import Legs, PlanStart, Unflyable
+from behaviors.plan import Legs, PlanStart, Unflyable, is_known
 from behaviors.target_search import SWEEP, TargetSearch, sweep
 from behaviors.target_track import TargetTrack
 from behaviors.tracking_reference import Aim, TrackingReference
@@ -104,7 +104,8 @@ class Pursue(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        _target(params)
+        if is_known(params.target):
+            _target(params)
         return None
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:

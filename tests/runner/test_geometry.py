@@ -557,6 +557,31 @@ def test_a_parameter_that_must_be_given_is_not_left_empty() -> None:
         checked(text)
 
 
+@pytest.mark.parametrize(
+    ("do", "ends"),
+    [
+        ("pursue, with: {target: $seen}", "lost: land"),
+        ("pursue, with: {target: {color: $seen, size: 52 cm}}", "lost: land"),
+        ("pursue, with: {target: {color: red, size: $high}}", "lost: land"),
+        ("evade, with: {beacons: [[3, 0, 2]], speeds: [$high], durations: [5]}", "done: land"),
+        ("evade, with: {beacons: [[3, 0, 2]], speeds: [1], durations: $wanted}", "done: land"),
+        ("track_object, with: {target: {color: $seen, size: $high}}", "lost: land"),
+        ("land_on, with: {marker: {id: 3, size: $high}}", "done: land, lost: land"),
+        ("hover_over, with: {target: marker, id: '${round(high)}'}", "failed: land"),
+        (
+            "follow_road, with: {color: {rgb: [$seen, $seen]}, max_width: $high}",
+            "done: land, lost: land",
+        ),
+        ("sweep_detect, with: {area: [[0, 0], [3, 0], [3, 3]], detect: [$seen]}", "done: land"),
+    ],
+)
+def test_what_is_followed_may_be_decided_in_flight(do: str, ends: str) -> None:
+    data = "data: {seen: {type: any, default: 3}, high: 0, wanted: {type: any, default: 3}}"
+    sets = "seen: '${[vehicle.altitude]}', high: $vehicle.altitude, wanted: '${[high]}'"
+    go = f"go: {{entry: {{set: {{{sets}}}}}, do: {do}, on: {{{ends}}}, after: {{9 s: land}}}}"
+    assert checked(flight(go, data)).faults == ()
+
+
 def test_of_many_values_that_cannot_be_the_first_is_told() -> None:
     go = "go: {do: find_color, with: {color: 'x_$n'}, on: {failed: home, operator.abort: ON}, STAY}"
     again = "{target: go, reenter: true, actions: {set: {n: '${n + 1}'}}}"
