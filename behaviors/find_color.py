@@ -12,6 +12,7 @@ import numpy as np
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
 from behaviors.params import BehaviorParams, param
+from behaviors.perception.annotations import GREEN, YELLOW, circle, rejected, text_line
 from behaviors.perception.color import ColorRange, mask, read_color
 from behaviors.perception.projection import tilt_of
 from behaviors.plan import Legs, PlanStart, Unflyable
@@ -82,9 +83,9 @@ class FindColor(Behavior):
         if limit is not None and tilt_of(flight.observation.attitude) > limit:
             return None
         polygons = color_polygons(frame.image, self.wanted, params.edge_threshold)
-        flight.publish(
-            _largest(polygons, params.min_area_limit, params.max_area_limit, frame.image)
-        )
+        spot = _largest(polygons, params.min_area_limit, params.max_area_limit, frame.image)
+        flight.publish(spot)
+        flight.picture("color", lambda: _drawn(frame.image, polygons, spot))
         return None
 
 
@@ -109,6 +110,16 @@ def color_polygons(image: Pixels, wanted: ColorRange, threshold: int) -> list[In
     return [
         np.asarray(cv2.approxPolyDP(contour, _SIMPLIFIED, True), np.int32) for contour in contours
     ]
+
+
+def _drawn(image: Pixels, polygons: list[Int32s], spot: ColorSpot) -> Pixels:
+    """All outlines, and the middle of what was chosen."""
+    image = rejected(image, polygons, YELLOW)
+    height, width = image.shape[:2]
+    half, middle = width / 2, ((width - 1) / 2, (height - 1) / 2)
+    place = middle[0] + half * spot.x, middle[1] - half * spot.y
+    words = f"{spot.area:.0f} px" if spot.visible else "nothing"
+    return text_line(circle(image, place, 4.0, GREEN) if spot.visible else image, words)
 
 
 def _largest(polygons: list[Int32s], least: float, most: float, image: Pixels) -> ColorSpot:

@@ -12,19 +12,26 @@ from behaviors.find_color import color_of
 from behaviors.flight import Flight
 from behaviors.guidance import STILL
 from behaviors.params import BehaviorParams, live, param, value
+from behaviors.perception.annotations import BLUE, GREEN, YELLOW, circle, rejected, text_line
 from behaviors.perception.color import ColorRange
+from behaviors.perception.projection import pixels_of
 from behaviors.plan import Legs, PlanStart, Unflyable
 from behaviors.target_search import SWEEP, TargetSearch, sweep
 from behaviors.target_track import TargetTrack
 from behaviors.tracking_reference import Aim, TrackingReference
 from fsm.host import Outcome
-from hal.vehicle import Observation
+from hal.scene.arrays import Pixels
+from hal.vehicle import Frame, Observation
 from vencejo.geometry import Point, bearing, distance, wrap
 
 _UNSEEN = 0.5
 """Seconds without a sight of the target after which it is lost."""
 _SLOWLY = 0.05
 """Share of the height of the camera that is followed in each frame: tilt moves it up and down."""
+_MARK = 30.0
+"""Radius of the circle about the target in pictures for people, pixels."""
+_STEEPEST = 0.36
+"""Slope at which it looks up or down at the target at most: it stays farther away instead."""
 _PREDICTED = 2.0
 """Seconds for which it is followed where it is expected."""
 
@@ -119,6 +126,7 @@ class Pursue(Behavior):
         if frame is not None and frame.sequence != self.sequence:
             self.sequence = frame.sequence
             self.track.look(frame)
+            flight.picture("pursue", lambda: self._drawn(frame))
             self.eye_height += _SLOWLY * (frame.position.z - seen.position.z - self.eye_height)
         self._tell(flight)
         unseen = seen.time - self.unseen_since
@@ -157,6 +165,19 @@ class Pursue(Behavior):
             velocity={"x": x, "y": y, "z": z},
             losses=self.losses,
         )
+
+    def _drawn(self, frame: Frame) -> Pixels:
+        """What it has found in a frame, and where the target is expected: blue when unseen."""
+        track, image, words = self.track, frame.image, "looking for it"
+        seen = track.sighting
+        if seen is not None:
+            image = rejected(image, [seen.outline], YELLOW)
+        if track.is_known:
+            place = track.position_at(frame.time)
+            x, y = map(float, pixels_of(frame, [place])[0])
+            image = circle(image, (x, y), _MARK, BLUE if seen is None else GREEN)
+            words = f"{distance(place, frame.position):.1f} m"
+        return text_line(image, words)
 
     def _last_place(self) -> Point:
         track = self.track
@@ -201,6 +222,8 @@ class Pursue(Behavior):
         along, across = speed.x * ux + speed.y * uy, speed.y * ux - speed.x * uy
         turning = across / far
         wanted = sqrt(max(params.nearest**2, params.distance**2 - params.above**2))
+        drop = reference.place.z + self.eye_height - self.track.position_at(now).z
+        wanted = max(wanted, abs(drop) / _STEEPEST)
         error = _beyond(far - wanted, params.dead_distance)
         if far < params.nearest:
             along = min(along, 0.0)

@@ -21,7 +21,9 @@ FADING = 1.0
 _NEAREST = 0.3
 """Least range of a target that the edge of the image cuts, metres."""
 _MANOEUVRE = 6.0
-"""Standard deviation of the acceleration for which the filter is ready, m/s²: it follows sharp turns soon."""
+"""Standard deviation of the acceleration for which the filter is ready, m/s²: with less it follows
+sharp turns late.
+"""
 _SETTLING = 0.25
 """Time constant with which its acceleration is followed, seconds."""
 _MOST_ACCELERATION = 4.0

@@ -26,6 +26,10 @@ JERK = 15.0
 """Largest change of the acceleration, m/s³: a vehicle must tilt first."""
 CLIMB_ACCELERATION = 1.5
 """Largest acceleration upwards or downwards, m/s²."""
+_TILT_SHARE = 1.2
+"""Acceleration as a share of that of paths, which leaves a quarter of the tilt for errors: here the
+errors are what it is for.
+"""
 _YAW_GAIN = 4.0
 """From an error of the yaw to a rate, 1/s."""
 _YAW_ACCELERATION = 6.0
@@ -54,7 +58,7 @@ class TrackingReference:
     def __init__(self, seen: Observation, limits: Limits, speed: float) -> None:
         """``speed``: over the ground, m/s, at most."""
         agility = Agility.of(limits)
-        self._agility = agility.acceleration
+        self._agility = _TILT_SHARE * agility.acceleration
         self._speed = min(speed, agility.speed)
         self._climb = min(speed, agility.climb)
         self._turn = _YAW_SHARE * limits.max_yaw_rate if limits.max_yaw_rate else _YAW_RATE

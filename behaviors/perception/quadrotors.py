@@ -18,7 +18,7 @@ import numpy as np
 from behaviors.perception.blobs import Blob, blobs, touches_edge
 from behaviors.perception.color import ColorRange, mask
 from behaviors.perception.projection import directions
-from hal.scene.arrays import Float64s, Pixels
+from hal.scene.arrays import Float64s, Int32s, Pixels
 from hal.vehicle import Frame
 from vencejo.geometry import Point
 
@@ -38,7 +38,7 @@ _SHARES = (_HULL[0] * np.sin(_HEADINGS) + _HULL[1] * np.cos(_HEADINGS)) / (
     2 * (_ASIDE.max(1) + _GUARD)
 )
 """The share of the bar that the hull takes up, for each heading."""
-_SHARE_ERROR = 0.04
+_SHARE_ERROR = 0.03
 """Standard deviation of a measured share."""
 _ANY_HEADING = 0.02
 """Weight of a heading that does not fit at all: what is not a share of a hull tells nothing."""
@@ -72,6 +72,8 @@ class Sighting:
     """Pixels."""
     eye: Point
     """Where the camera was."""
+    outline: Int32s
+    """(n, 2), the pixels along its edge."""
 
     def position(self, range_: float | None = None) -> Point:
         """Where it is; at another range if one is given, metres."""
@@ -123,7 +125,7 @@ def _sighting(frame: Frame, blob: Blob, colored: Pixels, size: float) -> Sightin
         deviation = sqrt(deviation**2 + (far * _PIXEL / (end - begin)) ** 2)
     pixel = float(pixels[2, 0]), float(pixels[2, 1])
     direction = Point(*map(float, ahead))
-    return Sighting(pixel, direction, far, deviation, blob.area, frame.position)
+    return Sighting(pixel, direction, far, deviation, blob.area, frame.position, blob.contour)
 
 
 def _upright(blob: Blob) -> tuple[Float64s, float]:
