@@ -37,6 +37,10 @@ SCAN_RATE = 0.8
 """With which it looks round for a road, rad/s."""
 ARRIVED = 0.2
 """Metres from the end of the road at which the vehicle is there."""
+BARE = 3.0
+"""Of the width: what goes on longer without an edge is no road."""
+FURTHER = 1.0
+"""Metres after which a new search has its time anew."""
 UNSURE = 2.0
 """Seconds at the end of what is known after which it searches."""
 
@@ -113,7 +117,7 @@ class FollowRoad(Behavior):
         self.here = self.station = seen.position
         self.yaw = seen.yaw
         self.direction: float = seen.yaw if params.direction is None else params.direction
-        self.turned = self.waited = self.since_end = 0.0
+        self.turned = self.waited = self.since_end = self.searched_at = self.edged_at = 0.0
         self.flown: float = progress.get("flown", 0.0)
         self.road: Node | None = None
         """The last place of the road where it was."""
@@ -201,9 +205,9 @@ class FollowRoad(Behavior):
         reference = LineReference(place)
         heading = joined[0].heading
         is_end = line.ending == "end"
-        reference.go_on([Node(place.x, place.y, heading, 0.0), *joined], is_end)
+        reference.go_on([Node(place.x, place.y, heading, 0.0, False), *joined], is_end)
         self.line, self.ending, self.phase = reference, line.ending, "follow"
-        self.since_end = 0.0
+        self.since_end = self.edged_at = 0.0
 
     def _follow(self, flight: Flight, is_new: bool) -> str | None:
         seen, dt = flight.observation, flight.dt
@@ -221,16 +225,20 @@ class FollowRoad(Behavior):
             return None
         self.since_end += dt
         x, y, _ = line.position
-        if self.ending == "end" and hypot(x - seen.position.x, y - seen.position.y) < ARRIVED:
+        near = hypot(x - seen.position.x, y - seen.position.y) < ARRIVED
+        if self.ending == "end" and near and self.sight.sees_before(line.nodes[-1]):
             return "done"
         if self.since_end > UNSURE:
             self._search(line)
         return None
 
     def _trace_on(self, line: LineReference) -> None:
-        traced: CentreLine = self.sight.trace(line.settled)
-        self.ending = traced.ending
-        if traced.ending != "none":
+        traced: CentreLine = self.sight.trace(line.settled, line.has_ended)
+        if traced.has_edges:
+            self.edged_at = line.way
+        is_bare = line.way > self.edged_at + BARE * self.sight.width
+        self.ending = "none" if is_bare else traced.ending
+        if self.ending != "none":
             line.go_on(traced.nodes, traced.ending == "end")
             self.road = line.nearest(self.here.x, self.here.y)
 
@@ -238,7 +246,9 @@ class FollowRoad(Behavior):
         """Stop following, and look round from where the road was last seen."""
         self.reference = Reference(line.position, line.velocity)
         self.phase, self.line = "search", None
-        self.waited = self.turned = 0.0
+        if self.flown > self.searched_at + FURTHER:
+            self.waited = self.turned = 0.0
+        self.searched_at = self.flown
         if self.road is not None:
             self.direction = self.road.heading
 

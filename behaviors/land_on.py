@@ -48,8 +48,8 @@ MOST_CLOSING = 0.5
 """Largest such speed, m/s."""
 TURN_RATE = 1.0
 """Turn rate when it is aligned with the pad, rad/s."""
-_NEAR = 0.3
-"""Height below that of the beginning at which it has come back up, metres."""
+NEARLY = 0.3
+"""Height below that of the beginning at which it has come back up, and least way down, metres."""
 ON_PAD = 0.2
 """Largest difference in height to the pad of a vehicle that stands on it, metres."""
 
@@ -171,9 +171,9 @@ class LandOn(Behavior):
         given_up = self.tries > params.tries
         if self.watch.is_visible(now) and not given_up:
             self.phase = "approaching"
-            self.above = min(params.height, max(self._height(flight), self._least()))
+            self.above = min(self._most(), max(self._height(flight), self._least()))
             return self._descend(flight)
-        safe = given_up and self._height(flight) > params.height - _NEAR
+        safe = given_up and self._height(flight) > self._most() - NEARLY
         if safe or now - self.since >= params.patience:
             if self.tries >= params.tries:
                 return "lost"
@@ -181,7 +181,7 @@ class LandOn(Behavior):
         place = self._pad(now)
         turn, radius = 2 * pi * (now - self.since) / params.patience, ROUND * self.tries
         self.climbed += CLIMB * flight.dt
-        place = self.begin if place is None else place._replace(z=place.z + params.height)
+        place = self.begin if place is None else place._replace(z=place.z + self._most())
         aside = radius * cos(turn), radius * sin(turn), self.climbed
         self._follow(flight, self._below_top(place.plus(aside)), self._velocity(now))
         return None
@@ -192,7 +192,7 @@ class LandOn(Behavior):
         if frame is not None:
             top = min(top, self.largest * frame.intrinsics.fx / LEAST_SEEN)
         pad = self._pad(self._seen_at())
-        highest = max(top, self.begin.z) if pad is None else pad.z + max(top, self.params.height)
+        highest = max(top, self.begin.z) if pad is None else pad.z + max(top, self._most())
         return place._replace(z=min(place.z, highest))
 
     def _lose(self, flight: Flight) -> Outcome | str | None:
@@ -216,7 +216,7 @@ class LandOn(Behavior):
         if sinks:
             self.above = max(least, self.above - self.params.descent * dt)
         elif off > 2 * funnel:
-            self.above = min(self.params.height, self.above + self.params.descent * dt)
+            self.above = min(self._most(), self.above + self.params.descent * dt)
         self.phase = "descending" if off < funnel else "approaching"
         down = -self.params.descent if sinks else 0.0
         self._follow(flight, pad._replace(z=pad.z + self.above), moves._replace(z=down))
@@ -270,6 +270,11 @@ class LandOn(Behavior):
         lens = frame.intrinsics
         view = min(lens.width / lens.fx, lens.height / lens.fy)
         return max(COMMIT, IN_VIEW * self.smallest / view)
+
+    def _most(self) -> float:
+        """The height from which it comes down, metres."""
+        height: float = self.params.height
+        return max(height, self._least() + NEARLY)
 
     def _pad(self, now: float) -> Point | None:
         """The place of its middle, as far as it is followed; its height is that seen last."""

@@ -166,10 +166,11 @@ class LineReference:
         return a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)
 
     def nearest(self, x: float, y: float) -> Node:
-        """The node nearest to a place, among those about the carrot."""
+        """The node of the road that is nearest to a place, among those about the carrot."""
         k = bisect_right(self._ways, self.way)
         about = self.nodes[max(0, k - _KEPT // 2) : k + _KEPT // 2]
-        return min(about, key=lambda node: hypot(node.x - x, node.y - y))
+        road = [node for node in about if node.is_road] or about
+        return min(road, key=lambda node: hypot(node.x - x, node.y - y))
 
     def heading(self) -> float:
         """That of the line where the carrot is, radians."""

@@ -64,12 +64,12 @@ class Law:
 LAWS: Mapping[str, Law] = {
     "proportional, as printed": Law(
         "tag_follower",
-        {"gain": "0.2 m/s", "distance": "1.2 m", "lead": "0", **PRINTED},
+        {"gain": "0.72 m/s", "distance": "1.2 m", "lead": "0", **PRINTED},
         Point(-1.4, 0.0, -0.02),
     ),
     "braking, as printed": Law(
         "tag_follower_braking",
-        {"gain": "0.3 m/s", "distance": "2 m", **PRINTED},
+        {"gain": "1.08 m/s", "distance": "2 m", **PRINTED},
         Point(-2.2, 0.0, -0.02),
     ),
     "braking": Law("tag_follower_braking", {}, Point(-1.7, 0.0, -0.02)),
@@ -129,14 +129,14 @@ def main(arguments: Sequence[str]) -> None:
         print(json.dumps({"machine": machine(), "seeds": seeds, **found}, indent=2))
         return
     print(f"following a marker, error of the camera in cm: median RMS of {seeds} seeds / largest")
-    print(f"{'law':34}" + "".join(f"{f'{speed} m/s':>20}" for speed in SPEEDS))
+    print(f"{'law':34}" + "".join(f"{f'{speed} m/s':>24}" for speed in SPEEDS))
     for law, rows in found.items():
         cells = (
             f"{100 * row['rms_m']:.1f} / {100 * row['max_m']:.0f}"
             + (f" lost {row['lost']:.0%}" if row["lost"] else "")
             for row in rows.values()
         )
-        print(f"{law:34}" + "".join(f"{cell:>20}" for cell in cells))
+        print(f"{law:34}" + "".join(f"{cell:>24}" for cell in cells))
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from math import cos, pi, sin
+from math import cos, nan, pi, sin
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -211,7 +211,7 @@ def _beside(vehicle: Vehicle, pad: Thing) -> tuple[float, float, float]:
 def figures(flown: Sequence[Landing]) -> dict[str, Any]:
     """The figures of some tries."""
     good = [each for each in flown if each.outcome == "done"]
-    errors = sorted(100 * each.error for each in good if each.error is not None)
+    errors = sorted(100 * each.error for each in good if each.error is not None) or [nan]
     failed = [each for each in flown if each.outcome != "done"]
     return {
         "tries": len(flown),
@@ -222,8 +222,8 @@ def figures(flown: Sequence[Landing]) -> dict[str, Any]:
         "failed_safe": sum(each.safe for each in failed),
         "failed_seeds": [each.seed for each in failed],
         "lost_and_found": sum(each.tries > 0 for each in good),
-        "slip_mm": round(1000 * max(each.slip for each in good), 1),
-        "seconds": round(median(each.seconds for each in good), 1),
+        "slip_mm": round(1000 * max((each.slip for each in good), default=0.0), 1),
+        "seconds": round(median([each.seconds for each in good] or [nan]), 1),
         "cpu_s": round(sum(each.cpu for each in flown), 1),
     }
 
@@ -247,9 +247,13 @@ def main() -> None:
     print(machine())
     for speed, each in flown.items():
         for one in each if arguments.each else ():
-            print(speed, one)
-    for speed, row in found.items():
-        print(f"pad at {speed} m/s: " + ", ".join(f"{k} {v}" for k, v in row.items()))
+            print(f"{speed:g} m/s", one)
+    width = max(map(len, found["0"]))
+    print(f"{'pad':{width}}" + "".join(f"{speed + ' m/s':>12}" for speed in found) + "   goal")
+    for name in found["0"]:
+        goal = f"   ≤ {GOALS[name]:g}" if name in GOALS else ""
+        values = "".join(f"{row[name]!s:>12}" for row in found.values())
+        print(f"{name:{width}}{values}{goal}")
 
 
 if __name__ == "__main__":

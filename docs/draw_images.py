@@ -17,6 +17,7 @@ from cli.look import render
 from cli.plot import draw
 from cli.plot.plan import Planned, draw_plan
 from docs.draw_landings import draw_landings
+from docs.draw_pictures import draw_pictures
 from docs.draw_pursuit import draw_pursuit
 from docs.draw_responses import draw_responses
 from docs.draw_sweep import draw_sweep
@@ -105,6 +106,7 @@ def main() -> None:
     draw_tags()
     draw_sweep(IMAGES / "vision" / "sweep_detect.jpg")
     draw_landings()
+    draw_pictures()
     draw_pursuit(IMAGES / "vision" / "pursue.jpg")
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, ceil, cos, exp, hypot, pi, sin, tan
+from math import atan2, ceil, cos, exp, floor, hypot, pi, sin, tan
 from typing import Literal, NamedTuple
 
 import cv2
@@ -98,6 +98,8 @@ class CentreLine:
     ending: Ending
     width: float
     """Of the road, metres."""
+    has_edges: bool
+    """Whether the road had an edge where it was expected."""
 
 
 @dataclass(frozen=True)
@@ -162,13 +164,16 @@ def trace(
     width: float,
     widths: Widths,
     gap: float,
+    *,
     reach: float,
+    into_gap: bool = False,
 ) -> CentreLine:
     """Trace a line on from the last of the nodes that are known, for ``reach`` metres at most.
 
-    ``width``: of the road there; ``gap``: the longest that is crossed; metres.
+    ``width``: of the road there; ``gap``: the longest that is crossed; metres. ``into_gap``: where
+    the road ends and too little of the ground beyond was seen, as far as that was.
     """
-    return _Tracer(ground, known, width, widths, gap).trace(reach)
+    return _Tracer(ground, known, width, widths, gap).trace(reach, into_gap)
 
 
 class _Tracer:
@@ -177,9 +182,12 @@ class _Tracer:
     ) -> None:
         self._ground, self._widths, self._gap = ground, widths, gap
         self._width = width
+        self._into_gap = False
         *self._before, begin = known
         self._nodes = [begin]
         self._length = 0.0
+        self._has_edges = False
+        """Whether the road had any edge where it was expected."""
         self._even = 1
         """The number of nodes up to the last one where the road was as wide as it is."""
 
@@ -187,13 +195,14 @@ class _Tracer:
     def _step(self) -> float:
         return min(_LONGEST_STEP, max(_SHORTEST_STEP, _STEP * self._width))
 
-    def trace(self, reach: float) -> CentreLine:
+    def trace(self, reach: float, into_gap: bool) -> CentreLine:
+        self._into_gap = into_gap
         ending: Ending | None = None
         for _ in range(ceil(reach / self._step)):
             ending = None if self._go_on() else self._beyond()
             if ending is not None or self._length >= reach:
                 break
-        return CentreLine(tuple(self._nodes), ending or "open", self._width)
+        return CentreLine(tuple(self._nodes), ending or "open", self._width, self._has_edges)
 
     def _go_on(self) -> bool:
         """Trace the next node; False where there is no road."""
@@ -221,6 +230,7 @@ class _Tracer:
         left, right = run.left - half, run.right + half
         known = run.left_known and run.right_known
         if known and abs(left - right) <= _UNEVEN * self._width + sharp:
+            self._has_edges = True
             return (left + right) / 2, True
         edges = [(left, run.left_known), (right, run.right_known)]
         trusted = [
@@ -228,6 +238,7 @@ class _Tracer:
             for middle, is_known in edges
             if is_known and abs(middle) <= _UNEVEN / 2 * self._width + sharp
         ]
+        self._has_edges = self._has_edges or bool(trusted)
         return sum(trusted) / len(trusted) if trusted else 0.0, False
 
     def _learn_width(self, run: Run) -> None:
@@ -244,10 +255,13 @@ class _Tracer:
         """Go on round a corner or over a gap; None when that went well, else how the line ends."""
         self._drop_uneven()
         last = self._nodes[-1]
+        if not last.is_road:
+            return self._cross(self._edge())
         far, seen = self._road_ahead(last)
         if not seen:
             return "open"
-        end = last._replace(x=along(last, far)[0], y=along(last, far)[1], curvature=0.0)
+        x, y = along(last._replace(curvature=0.0), far)
+        end = last._replace(x=x, y=y)
         if not self._is_on_road(end):
             return "none"
         if self._turn(end, _RINGS[0]):
@@ -342,28 +356,36 @@ class _Tracer:
                 return
             self._drop()
 
-    def _cross(self, end: Node) -> Ending | None:
-        """Go on beyond a gap."""
-        step, width = self._step / 2, self._width
-        all_seen = True
+    def _edge(self) -> Node:
+        """The last node of the road before the gap in which the line begins."""
+        return next((node for node in reversed(self._before) if node.is_road), self._nodes[-1])
+
+    def _cross(self, edge: Node) -> Ending | None:
+        """Go on beyond a gap that begins at an edge, or in it as far as it was seen."""
+        step, last = self._step / 2, self._nodes[-1]
+        passed = hypot(last.x - edge.x, last.y - edge.y)
         before: Node | None = None
-        last = self._nodes[-1] if len(self._nodes) > 1 else end
-        begin = end._replace(curvature=last.curvature)
-        for k in range(1, ceil((self._gap + 2 * step) / step) + 1):
+        seen_ways: list[float] = []
+        all_seen = True
+        for k in range(floor(passed / step) + 1, ceil((self._gap + 2 * step) / step) + 1):
             way = k * step
-            at, heading = along(begin, way), begin.heading + begin.curvature * way
-            half = 0.9 * width + way * tan(_FAN)
-            found = self._after_gap(at, heading, half, way)
-            _, seen = self._ground.sample([at])
-            all_seen = all_seen and bool(seen[0])
-            if found is None:
-                before = None
-            elif before is None:
-                before = found
-            else:
-                self._join(end, before, found)
+            at, heading = along(edge, way), edge.heading + edge.curvature * way
+            found = self._after_gap(at, heading, 0.9 * self._width + way * tan(_FAN), way)
+            if found is not None and before is not None:
+                self._join(before, found)
                 return None
-        return "end" if all_seen else "open"
+            before = found
+            if way <= self._gap:
+                all_seen = all_seen and bool(self._ground.sample([at])[1][0])
+                seen_ways += [way] if all_seen else []
+        if all_seen:
+            if passed > self._step:
+                self._add(edge)
+            return "end"
+        for way in seen_ways[1::2] if self._into_gap or passed else ():
+            x, y = along(edge, way)
+            self._add(Node(x, y, edge.heading + edge.curvature * way, edge.curvature, False))
+        return "open"
 
     def _after_gap(self, at: XY, heading: float, half: float, way: float) -> Node | None:
         """The road at a place beyond a gap, if it is there."""
@@ -382,8 +404,9 @@ class _Tracer:
         aside = (run.left + run.right) / 2
         return Node(at[0] - aside * sin(heading), at[1] + aside * cos(heading), heading, 0.0)
 
-    def _join(self, end: Node, first: Node, second: Node) -> None:
+    def _join(self, first: Node, second: Node) -> None:
         """Add the nodes of a gap, and those of the road beyond it."""
+        end = self._nodes[-1]
         across = hypot(first.x - end.x, first.y - end.y)
         heading = atan2(first.y - end.y, first.x - end.x)
         count = max(1, ceil(across / self._step))
@@ -502,7 +525,7 @@ def _begin_at(
     width = widths.kept(width)
     ways = []
     for out in exits(ground, (x, y), 0.95 * width, width):
-        line = trace(ground, [Node(x, y, wrap(out), 0.0)], width, widths, gap, 3 * width)
+        line = trace(ground, [Node(x, y, wrap(out), 0.0)], width, widths, gap, reach=3 * width)
         if sum(node.is_road for node in line.nodes) > 4 and line.ending != "none":
             ways.append(line.nodes[0])
     return Begin(tuple(ways), width) if ways else None

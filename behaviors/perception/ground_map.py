@@ -47,9 +47,12 @@ class GroundMap:
     def add(self, mask: Pixels, frame: Frame) -> bool:
         """Look at the mask (height, width; 0 to 255) of a frame.
 
-        False for a frame that looks too far, or up, or is too small, which changes nothing.
+        False for one that looks too far or up, or is too small or not of its lens's size: that
+        changes nothing.
         """
         lens = frame.intrinsics
+        if mask.shape != (lens.height, lens.width):
+            return False
         if any(lens.distortion):
             mask = self._straightened(mask, lens)
             frame = replace(frame, intrinsics=replace(lens, distortion=()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from math import cos, degrees, hypot, pi, sin
 
+import numpy as np
 import pytest
 import shapely
 from hypothesis import assume, given, settings
@@ -41,7 +42,7 @@ def seen(lanes: Lanes, area: Polygon, across: float, ahead: float) -> float:
         for leg in legs
     ]
     turned = shapely.transform(
-        area, lambda points: [rotate_xy(x, y, -lanes.axis) for x, y in points]
+        area, lambda points: np.array([rotate_xy(x, y, -lanes.axis) for x, y in points])
     )
     return float(shapely.union_all(swept).intersection(turned).area / area.area)
 

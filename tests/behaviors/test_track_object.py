@@ -85,6 +85,7 @@ def test_it_stays_before_a_thing_at_its_distance() -> None:
     assert distance(told.position, pose_at(thing, solo.time)[0]) < 0.15
 
 
+@pytest.mark.slow
 def test_it_follows_up_and_down_when_it_is_told_a_height() -> None:
     solo = tracking(seen_of(ball((4, 0, 2.6))), {"target": BALL, "height": -0.2})
     solo.run(6)
@@ -92,6 +93,7 @@ def test_it_follows_up_and_down_when_it_is_told_a_height() -> None:
     assert solo.activity.published.height == pytest.approx(-0.2, abs=0.06)
 
 
+@pytest.mark.slow
 def test_it_turns_round_until_it_sees_the_thing() -> None:
     solo = tracking(seen_of(ball((-4, 0.5, 1.5))), {"target": BALL, "patience": 15.0})
     solo.run(9)
@@ -120,6 +122,7 @@ def test_it_sees_through_an_occlusion() -> None:
     assert solo.activity.published.visible and solo.outcome is None
 
 
+@pytest.mark.slow
 def test_it_looks_where_the_thing_has_vanished() -> None:
     thing = ball((4, 0, 1.5), (4, -40, 1.5), speed=1.5)
     look = hidden(seen_of(thing), lambda _, time: time > 7.0)
@@ -130,6 +133,7 @@ def test_it_looks_where_the_thing_has_vanished() -> None:
     assert wrap(solo.vehicle.yaw - yaw) < -0.8, "to the right"
 
 
+@pytest.mark.slow
 def test_a_look_alike_elsewhere_is_not_taken_for_it() -> None:
     decoy = replace(ball((5.5, -2.2, 1.5)), name="decoy")
     thing = ball((5, 0.3, 1.5), (5, 8, 1.5), speed=0.5)
@@ -141,7 +145,7 @@ def test_a_look_alike_elsewhere_is_not_taken_for_it() -> None:
     assert distance(solo.activity.published.position, at) < 0.3
 
 
-@pytest.mark.parametrize("align", [0.0, -0.6])
+@pytest.mark.parametrize("align", [pytest.param(0.0, marks=pytest.mark.slow), -0.6])
 def test_it_stays_before_the_face_of_a_marker(align: float) -> None:
     at = Point(4.0, 0.0, 1.5)
     marker = marker_of("4X4_50", 7, at, 0.4, standing(pi - 0.5))
@@ -209,7 +213,7 @@ def pictures() -> dict[str, Callable[[Pixels], Pixels]]:
 
 @pytest.mark.parametrize(
     "kind",
-    [pytest.param(k, marks=pytest.mark.slow) if k == "noise" else k for k in pictures()],
+    [k if k in ("black", "tiny") else pytest.param(k, marks=pytest.mark.slow) for k in pictures()],
 )
 def test_no_picture_makes_it_jump(kind: str) -> None:
     change, look = pictures()[kind], seen_of(ball((4, -1, 1.5), (4, 20, 1.5)))

@@ -218,3 +218,13 @@ def test_a_kill_leaves_whole_pictures_and_lines(shower: str) -> None:
         "the last line of pictures.jsonl is cut off",
         "summary.json is not there",
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mission", ["land_on_pad", "tag_lights"])
+def test_shipped_missions_fly_the_same_whether_they_are_drawn_or_not(mission: str) -> None:
+    assert run_cli("run", mission, "--runs-dir", "a", "--picture-rate", "40").code == 0
+    assert run_cli("run", mission, "--runs-dir", "b", "--no-frames").code == 0
+    for name in ("events.jsonl", "telemetry.csv"):
+        assert (only("a") / name).read_bytes() == (only("b") / name).read_bytes()
+    assert read_run(only("a")).pictures and not read_run(only("b")).pictures

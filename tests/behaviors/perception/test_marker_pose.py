@@ -44,7 +44,7 @@ def measured(
     """
     raster = Raster(world_of(marker_of("4X4_50", 7, ORIGIN, 0.5), ground=ROAD), {}, False)
     draw, poses = Random(1), []
-    for number in range(30):
+    for number in range(20):
         pose = above(draw, height, spread)
         frame = photograph(raster, pose, camera, number)
         frame = replace(frame, attitude=product(small_turn(draw, 0.3), frame.attitude))
@@ -52,7 +52,7 @@ def measured(
             marker = marker_pose(frame, found.corners, 0.5, height=known)
             assert marker is not None
             poses.append(marker)
-    assert len(poses) > 0.9 * 30
+    assert len(poses) > 0.9 * 20
     return poses
 
 
