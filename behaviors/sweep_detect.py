@@ -17,8 +17,8 @@ from behaviors.lane_flight import LaneFlight, LaneStyle, along_lanes, lane_place
 from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, text_line
-from behaviors.perception.projection import pixels_of, tilt_of
-from behaviors.plan import Legs, PlanStart, is_known, leg_to
+from behaviors.perception.projection import direction, pixels_of, tilt_of
+from behaviors.plan import Legs, PlanStart, Unflyable, is_known, leg_to
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
 from hal.vehicle import Frame, Intrinsics
@@ -34,6 +34,8 @@ _RADIUS = 0.6
 """Of the spacing: the distance from which things are found, more than half of what is between."""
 _MARK = 14.0
 """Radius of the circle drawn round a thing, pixels."""
+_DOWN = -0.5
+"""The vertical share of the direction of view below which a camera looks down."""
 _EDGE = 0.3
 """Things that are less outside the area count as inside, metres."""
 
@@ -199,6 +201,8 @@ class SweepDetect(Behavior):
         frame = self.camera.latest()
         if frame is None or frame.sequence == self.sequence:
             return None
+        if self.sequence is None and direction(frame, _middle(frame)).z > _DOWN:
+            raise Unflyable(f"the camera '{self.params.camera}' does not look down", "camera")
         self.sequence = frame.sequence
         return frame
 
@@ -249,6 +253,11 @@ def _drawn(frame: Frame, ground: float, findings: Findings) -> Pixels:
         color = GREEN if is_new else BLUE
         picture = circle(picture, thing.pixel, _MARK, color, thing.name or thing.kind)
     return text_line(picture, f"{len(findings.found)} found")
+
+
+def _middle(frame: Frame) -> tuple[float, float]:
+    """The pixel in the middle of a frame."""
+    return (frame.intrinsics.width - 1) / 2, (frame.intrinsics.height - 1) / 2
 
 
 def _ground(flight: Flight, x: float, y: float) -> float:

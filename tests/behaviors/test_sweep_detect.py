@@ -223,3 +223,10 @@ def test_a_detector_of_ones_own_is_used() -> None:
     broken.run(5)
     assert broken.outcome is not None and broken.word == "failed"
     assert broken.outcome.fields["reason"] == "ValueError: no more (test_sweep_detect.py:211)"
+
+
+def test_a_camera_that_looks_ahead_searches_nothing() -> None:
+    search = Search({**VALUES, "camera": "front"})
+    outcome = search.run(1.0)
+    assert outcome is not None and outcome.word == "failed"
+    assert "the camera 'front' does not look down" in outcome.fields["reason"]
