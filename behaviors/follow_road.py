@@ -42,7 +42,7 @@ BARE = 3.0
 FURTHER = 1.0
 """Metres after which a new search has its time anew."""
 PAUSE = 0.8
-"""Seconds at the end of what is known after which it flies on over a gap longer than its sight."""
+"""Seconds at the end of what is known before it flies into a gap that it cannot see over."""
 UNSURE = 2.0
 """Seconds at the end of what is known after which it searches."""
 
