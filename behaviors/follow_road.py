@@ -41,6 +41,8 @@ BARE = 3.0
 """Of the width: what goes on longer without an edge is no road."""
 FURTHER = 1.0
 """Metres after which a new search has its time anew."""
+PAUSE = 0.8
+"""Seconds at the end of what is known after which it flies on over a gap that it cannot see over."""
 UNSURE = 2.0
 """Seconds at the end of what is known after which it searches."""
 
@@ -233,7 +235,7 @@ class FollowRoad(Behavior):
         return None
 
     def _trace_on(self, line: LineReference) -> None:
-        traced: CentreLine = self.sight.trace(line.settled, line.has_ended)
+        traced: CentreLine = self.sight.trace(line.settled, into_gap=self.since_end > PAUSE)
         if traced.has_edges:
             self.edged_at = line.way
         is_bare = line.way > self.edged_at + BARE * self.sight.width

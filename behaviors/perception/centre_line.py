@@ -379,10 +379,10 @@ class _Tracer:
                 all_seen = all_seen and bool(self._ground.sample([at])[1][0])
                 seen_ways += [way] if all_seen else []
         if all_seen:
-            if passed > self._step:
+            if not last.is_road:
                 self._add(edge)
             return "end"
-        for way in seen_ways[1::2] if self._into_gap or passed else ():
+        for way in seen_ways[1::2] if self._into_gap or not last.is_road else ():
             x, y = along(edge, way)
             self._add(Node(x, y, edge.heading + edge.curvature * way, edge.curvature, False))
         return "open"
