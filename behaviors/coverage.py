@@ -93,9 +93,11 @@ class Lanes:
 def area_of(corners: Sequence[XY], holes: Sequence[Sequence[XY]] = ()) -> Polygon | MultiPolygon:
     """The area inside corners without some holes; all outlines must be simple.
 
-    Raises Unflyable where nothing is left.
+    Raises Unflyable for corners about nothing, and where the holes leave nothing.
     """
     area = Polygon(corners)
+    if area.area <= _SMALL:
+        raise Unflyable("this area has no extent", "area")
     for hole in holes:
         area = area.difference(Polygon(hole))
     parts = [part for part in _polygons(area) if part.area > _SMALL]

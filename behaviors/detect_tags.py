@@ -12,7 +12,7 @@ from behaviors.flight import Flight
 from behaviors.params import BehaviorParams, live, param, value
 from behaviors.perception.tag_tracks import Sighting, TagTracks, Track
 from behaviors.perception.tags import Place
-from behaviors.plan import Unflyable
+from behaviors.plan import Legs, PlanStart, is_known, require_order
 from behaviors.tag_watch import TagWatch, finder_of
 from fsm.host import Outcome
 from vencejo.geometry import Point
@@ -119,12 +119,16 @@ class DetectTags(Behavior):
     publishes = Tags
     controls = ()
 
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        require_order(params, "needed", "of")
+        if is_known(params.dictionary) and is_known(params.ids):
+            finder_of(params.dictionary, params.ids, None)
+        return []
+
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params = self.params
-        if params.needed > params.of:
-            raise Unflyable(
-                f"nothing is found in {params.needed} of {params.of} pictures", "needed"
-            )
+        require_order(params, "needed", "of")
         finder = finder_of(params.dictionary, params.ids, params.size, roundels=params.roundels)
         tracks = TagTracks(params.needed, params.of)
         self.watch = TagWatch(

@@ -6,6 +6,7 @@ The built-in ones are in :mod:`behaviors.detectors`.
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
@@ -17,23 +18,37 @@ from hal.vehicle import Frame
 BUILT_IN = ("fiducials", "color", "people")
 """The names of the built-in detectors."""
 _MARK = "_vencejo_detector"
+_WORD = re.compile(r"[A-Za-z0-9_-]+")
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """A thing in a picture."""
+    """A thing in a picture. Raises ValueError for a kind or an id that names no photo."""
 
     kind: str
-    """A word for things like it: ``person``."""
+    """A word for things like it: ``person``; up to 32 letters, digits, _ and -."""
     pixel: tuple[float, float]
     """Where it is seen; a pixel's centre is a whole number."""
     height: float = 0.0
     """Of what is seen there above the ground, metres."""
     id: str = ""
-    """What tells it from others of its kind, such as the number of a marker; empty for nothing."""
+    """What tells it from others of its kind, such as the number of a marker; empty for nothing.
+    Of such a word up to 16 letters."""
     box: tuple[int, int, int, int] | None = None
     """Left, top, right and bottom of what is seen of it, pixels."""
+
+    def __post_init__(self) -> None:
+        require_word(self.kind)
+        if self.id != "":
+            require_word(self.id, "id", 16)
+
+
+def require_word(given: object, name: str = "kind", most: int = 32) -> None:
+    """Raises ValueError for what cannot be part of the name of a thing, and so of its photo."""
+    if not (isinstance(given, str) and len(given) <= most and _WORD.fullmatch(given)):
+        allowed = f"is a word of up to {most} letters, digits, _ and -"
+        raise ValueError(f"the {name} of a thing {allowed}, not {given!r:.60}")
 
 
 Detector = Callable[[Frame, float], Sequence[Sighting]]

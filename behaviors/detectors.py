@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 from behaviors.action import arguments_of
-from behaviors.detector import BUILT_IN, Detector, OwnDetector, Sighting
+from behaviors.detector import BUILT_IN, Detector, OwnDetector, Sighting, require_word
 from behaviors.perception.blobs import Blob, blobs, touches_edge
 from behaviors.perception.color import ColorRange, hsv_mask, mask, read_color
 from behaviors.perception.fiducials import FiducialDetector
@@ -121,6 +121,11 @@ def fiducials(
 
     ``parameters`` are OpenCV's DetectorParameters. Raises ValueError for what OpenCV does not have.
     """
+    require_word(kind)
+    if not (ids is None or isinstance(ids, (list, tuple))):
+        raise ValueError(f"`ids` is a list of whole numbers, not {ids!r:.40}")
+    if not (parameters is None or isinstance(parameters, Mapping)):
+        raise ValueError(f"`parameters` is a map of names to values, not {parameters!r:.40}")
     found = FiducialDetector(dictionary, ids, parameters)
 
     def detect(frame: Frame, ground: float) -> list[Sighting]:
@@ -154,6 +159,7 @@ def color(
     metres, by default half the size. Raises ValueError for what is no colour, size or shape.
     """
     wanted = read_color(color)
+    require_word(kind or "thing")
     if not 0 < size < 1000:
         raise ValueError(f"a size is a length above 0, not {size:g}")
     if shape not in ("any", "round"):
@@ -246,6 +252,7 @@ def people(kind: str = "person") -> Detector:
     Things of the same colours without a head are none, nor those of other sizes. Bright are colours
     that are strong, whatever their hue.
     """
+    require_word(kind)
 
     def detect(frame: Frame, ground: float) -> list[Sighting]:
         image = np.asarray(cv2.cvtColor(_calmed(frame.image), cv2.COLOR_BGR2HSV), np.uint8)

@@ -15,7 +15,7 @@ from behaviors.params import BehaviorParams, param
 from behaviors.perception.annotations import GREEN, YELLOW, circle, rejected, text_line
 from behaviors.perception.color import ColorRange, mask, read_color
 from behaviors.perception.projection import tilt_of
-from behaviors.plan import Legs, PlanStart, Unflyable
+from behaviors.plan import Legs, PlanStart, Unflyable, is_known, require_order
 from fsm.host import Outcome
 from hal.scene.arrays import Int32s, Pixels
 
@@ -66,11 +66,14 @@ class FindColor(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        color_of(params.color)
+        if is_known(params.color):
+            color_of(params.color)
+        require_order(params, "min_area_limit", "max_area_limit")
         return []
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         self.wanted = color_of(self.params.color)
+        require_order(self.params, "min_area_limit", "max_area_limit")
         self.sequence = -1
 
     def step(self, flight: Flight) -> Outcome | str | None:

@@ -14,7 +14,7 @@ from behaviors.perception.annotations import section
 from behaviors.perception.color import mask
 from behaviors.perception.projection import tilt_of
 from behaviors.perception.road_sections import Runs, Sections, road_sections
-from behaviors.plan import UNKNOWN, Legs, PlanStart
+from behaviors.plan import Legs, PlanStart, is_known
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
 from hal.vehicle import Frame
@@ -66,7 +66,7 @@ class FindRoad(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        if params.color is not UNKNOWN:
+        if is_known(params.color):
             color_of(params.color)
         return []
 

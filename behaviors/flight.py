@@ -91,7 +91,10 @@ class Flight:
         return self._channel.camera(name)
 
     def keep_photo(self, name: str, camera: str, frame: Frame) -> None:
-        """Keep a frame of a camera under a name in the run folder, if there is one."""
+        """Keep a frame of a camera under a name in the run folder, if there is one. Raises
+        ValueError for a name that no file gets.
+        """
+        _require_name(name)
         self._channel.on_photo(name, camera, frame)
 
     def picture(self, name: str, draw: Draw) -> None:
@@ -103,9 +106,7 @@ class Flight:
         ValueError for a name that no folder gets or a picture that is too large, and TypeError when
         ``draw`` gives no picture.
         """
-        if not PICTURE_NAME.fullmatch(name):
-            hint = "up to 64 letters, digits, _ and -"
-            raise ValueError(f"'{name:.70}' is no name of a picture: {hint}")
+        _require_name(name)
         self._channel.on_picture(name, lambda: _drawn(draw))
 
     def sensor(self, name: str) -> Sensor:
@@ -202,6 +203,13 @@ class Flight:
         if not self.may_command:
             told = "being stopped or asked for its progress"
             raise NotInControl(f"a behaviour that is {told} does not control {resource}")
+
+
+def _require_name(name: str) -> None:
+    """Raises ValueError for what is no name of a picture."""
+    if not PICTURE_NAME.fullmatch(name):
+        hint = "up to 64 letters, digits, _ and -"
+        raise ValueError(f"'{name:.70}' is no name of a picture: {hint}")
 
 
 def _drawn(draw: Draw) -> NDArray[np.uint8]:

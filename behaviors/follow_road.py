@@ -18,7 +18,7 @@ from behaviors.perception.annotations import GREEN, RED, circle, path
 from behaviors.perception.centre_line import CentreLine, Node, Widths
 from behaviors.perception.projection import pixels_of
 from behaviors.perception.road_mask import shaded
-from behaviors.plan import UNKNOWN, Legs, PlanStart
+from behaviors.plan import Legs, PlanStart, is_known, require_order
 from behaviors.road_sight import Look, RoadSight
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
@@ -100,14 +100,16 @@ class FollowRoad(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        if params.color is not UNKNOWN:
+        if is_known(params.color):
             color_of(params.color)
+        require_order(params, "min_width", "max_width")
         return None  # where the road leads is known in flight
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen, progress = self.params, flight.observation, progress or {}
         color = shaded(color_of(params.color), params.shade)
-        widths = Widths(params.min_width, max(params.min_width, params.max_width))
+        require_order(params, "min_width", "max_width")
+        widths = Widths(params.min_width, params.max_width)
         self.height = seen.position.z if params.height is None else params.height
         self.height = progress.get("height", self.height)
         look = Look(color, widths, params.gap)

@@ -12,7 +12,8 @@ from behaviors.flight import Flight
 from behaviors.guidance import NEARBY, STILL, stopping_place
 from behaviors.params import BehaviorParams, live, param, value
 from behaviors.perception.tag_tracks import TagTracks, Track
-from behaviors.perception.tags import ROUNDEL
+from behaviors.perception.tags import ROUNDEL, TagFinder
+from behaviors.plan import Legs, PlanStart, is_known
 from behaviors.tag_watch import TagWatch, finder_of
 from fsm.host import Outcome
 from vencejo.geometry import Point, distance, horizontal_distance, wrap
@@ -75,11 +76,15 @@ class HoverOver(Behavior):
     requires = ("position", "velocity", f"camera.{CAMERA}")
     needs_flight = True
 
+    @classmethod
+    def plan(cls, params: Any, start: PlanStart) -> Legs | None:
+        if all(map(is_known, (params.target, params.id, params.dictionary))):
+            _finder(params, None)
+        return None  # where the tag is, is known in flight
+
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen = self.params, flight.observation
-        wants_roundel = params.target == ROUNDEL
-        ids = [] if wants_roundel else None if params.id is None else [params.id]
-        finder = finder_of(params.dictionary, ids, params.size, roundels=wants_roundel)
+        finder = _finder(params, params.size)
         self.watch = TagWatch(flight, self.name, CAMERA, finder, TagTracks())
         self.chase = Chase(seen)
         self.height, self.yaw = seen.position.z, seen.yaw
@@ -140,3 +145,10 @@ class HoverOver(Behavior):
             "here": list(self.here),
             "chase": self.chase.progress(),
         }
+
+
+def _finder(params: Any, size: float | None) -> TagFinder:
+    """What finds the tag of the parameters. Raises Unflyable."""
+    wants_roundel = params.target == ROUNDEL
+    ids = [] if wants_roundel else None if params.id is None else [params.id]
+    return finder_of(params.dictionary, ids, size, roundels=wants_roundel, parameter="id")

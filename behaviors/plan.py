@@ -75,6 +75,13 @@ def is_known(given: Any) -> bool:
     return not isinstance(inside, Iterable) or isinstance(inside, str) or all(map(is_known, inside))
 
 
+def require_order(params: Any, least: str, most: str) -> None:
+    """Raises Unflyable where the parameter ``least`` is above ``most``; either may be UNKNOWN."""
+    low, high = getattr(params, least), getattr(params, most)
+    if is_known(low) and is_known(high) and low > high:
+        raise Unflyable(f"{least} ({low:g}) is above {most} ({high:g})", least)
+
+
 @dataclass(frozen=True, slots=True)
 class PlanStart:
     """Where a behaviour begins. Mission frame, metres, radians; any may be :data:`UNKNOWN`."""

@@ -18,7 +18,7 @@ from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, text_line
 from behaviors.perception.projection import pixels_of, tilt_of
-from behaviors.plan import Legs, PlanStart, leg_to
+from behaviors.plan import Legs, PlanStart, is_known, leg_to
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
 from hal.vehicle import Frame, Intrinsics
@@ -117,8 +117,9 @@ class SweepDetect(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        read_detectors(params.detect, cls.detectors)
-        outlines_of(params.area, params.holes)
+        if is_known(params.detect):
+            read_detectors(params.detect, cls.detectors)
+        area_of(*outlines_of(params.area, params.holes))
         if params.spacing is None or params.above == "ground":
             return None  # what the camera sees and the ground are known in flight
         lanes = _lanes(params, _footprint(params.spacing), start.position)

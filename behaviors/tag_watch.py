@@ -79,16 +79,20 @@ class TagWatch:
 
 
 def finder_of(
-    dictionary: str, ids: list[Any] | None, size: float | None, *, roundels: bool = True
+    dictionary: str,
+    ids: list[Any] | None,
+    size: float | None,
+    *,
+    roundels: bool = True,
+    parameter: str = "ids",
 ) -> TagFinder:
-    """The finder of a behaviour's parameters. Raises Unflyable."""
-    whole = ids is None or all(isinstance(each, int) for each in ids)
-    if not whole:
-        raise Unflyable("the ids of markers are whole numbers", "ids")
+    """The finder of a behaviour's parameters; ``parameter`` is the name of the one that holds the
+    ids. Raises Unflyable.
+    """
     try:
         return TagFinder(dictionary, ids, size, roundels=roundels)
     except ValueError as error:
-        raise Unflyable(str(error), "ids") from None
+        raise Unflyable(str(error), parameter) from None
 
 
 def _ground_below(flight: Flight) -> float:

@@ -19,7 +19,7 @@ from behaviors.perception.annotations import blob as drawn_blob
 from behaviors.perception.blobs import Blob, blobs, touches_edge
 from behaviors.perception.color import ColorRange, mask
 from behaviors.perception.projection import ground_points
-from behaviors.plan import UNKNOWN, Legs, PlanStart
+from behaviors.plan import Legs, PlanStart, Unflyable, is_known, require_order
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
 from hal.vehicle import Frame
@@ -126,13 +126,15 @@ class WatchTraffic(Behavior):
 
     @classmethod
     def plan(cls, params: Any, start: PlanStart) -> Legs | None:
-        if params.colors is not UNKNOWN:
+        if is_known(params.colors):
             _colors(params.colors)
+        require_order(params, "min_size", "max_size")
         return []
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         self.camera = flight.camera(self.params.camera)
         self.colors = _colors(self.params.colors)
+        require_order(self.params, "min_size", "max_size")
         self.tracks: list[_Track] = []
         self.sequence = -1
         self.seen: int = (progress or {}).get("seen", 0)
@@ -209,6 +211,8 @@ def _middle(found: Blob) -> tuple[float, float]:
 def _colors(given: Any) -> dict[str, ColorRange]:
     """The colours of a list, by name. Raises Unflyable."""
     names = given if isinstance(given, (list, tuple)) else [given]
+    if not names:
+        raise Unflyable("no car has no colour: name one or more", "colors", "colors: [red, blue]")
     return {str(each): color_of(each, "colors") for each in names}
 
 

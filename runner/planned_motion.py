@@ -160,6 +160,17 @@ class Planner:
         self.shapes: dict[PlannedShape, None] = {}
         """What behaviours are given that is known before the flight."""
         self._grounds: dict[Point, float] = {}
+        self._looked_at: set[tuple[Node, str]] = set()
+
+    def look_at(self, node: Node, value: Callable[[Compiled], Any]) -> None:
+        """Ask for the plan of a behaviour that moves nothing, for what it refuses in its
+        parameters; ``value`` as in :meth:`motion`.
+        """
+        given = self._given(node, value)
+        if (node, repr(given)) not in self._looked_at:
+            self._looked_at.add((node, repr(given)))
+            self._legs(node, None, Place((), UNKNOWN, False), given)
+            self.unknown.pop(node, None)  # it flies nowhere
 
     def motion(self, node: Node, begin: Place, value: Callable[[Compiled], Any]) -> Motion:
         """The motion of a state's behaviour; ``value`` gives that of an expression, None for none
@@ -169,12 +180,7 @@ class Planner:
         assert invocation is not None
         if invocation.behavior.needs_flight and not begin.flying:
             return Motion(node, begin, tuple(Course(point, ()) for point in begin.points))
-        given = {}
-        for name in invocation.behavior.parameters:
-            source = invocation.live.get(name) or invocation.with_.get(name)
-            if source is not None:
-                known = value(source)
-                given[name] = UNKNOWN if known is None else known
+        given = self._given(node, value)
         courses: dict[Course, None] = {}
         for point in begin.points or (None,):
             legs = self._legs(node, point, begin, given)
@@ -182,6 +188,18 @@ class Planner:
                 return Motion(node, begin, ())
             courses[Course(point, legs)] = None
         return Motion(node, begin, tuple(courses))
+
+    def _given(self, node: Node, value: Callable[[Compiled], Any]) -> dict[str, Any]:
+        """The values that a state gives its behaviour, by parameter."""
+        invocation = node.invocation
+        assert invocation is not None
+        given = {}
+        for name in invocation.behavior.parameters:
+            source = invocation.live.get(name) or invocation.with_.get(name)
+            if source is not None:
+                known = value(source)
+                given[name] = UNKNOWN if known is None else known
+        return given
 
     def _legs(
         self, node: Node, point: Point | None, begin: Place, given: dict[str, Any]

@@ -407,12 +407,17 @@ class _Walk:
 
     def start_motion(self, moment: Moment) -> Moment:
         """The moment after a behaviour that moves the vehicle has begun, if one does."""
-        for node in moment.active:
-            if node.invocation is None or node in moment.ended:
-                continue
-            behavior = node.invocation.behavior
-            begun = moment.motion is not None and moment.motion.node is node
-            if begun or not (behavior.on_trust or "motion" in behavior.controls):
+        behaving = [
+            (node, node.invocation.behavior)
+            for node in moment.active
+            if node.invocation is not None and node not in moment.ended
+        ]
+        moving = [node for node, each in behaving if each.on_trust or "motion" in each.controls]
+        for node, _ in behaving:
+            if node not in moving:
+                self.planner.look_at(node, lambda c: self.value(moment, c))
+        for node in moving:
+            if moment.motion is not None and moment.motion.node is node:
                 continue
             motion = self.planner.motion(node, moment.place, lambda c: self.value(moment, c))
             if node in moment.resumed and any(len(c.legs) > 1 for c in motion.courses):

@@ -88,7 +88,8 @@ class FiducialDetector:
         parameters: Mapping[str, object] | None = None,
     ) -> None:
         whole = _dictionary(dictionary)
-        self.ids = tuple(range(len(whole.bytesList)) if ids is None else sorted(set(ids)))
+        wanted_ids = range(len(whole.bytesList)) if ids is None else set(map(_number, ids))
+        self.ids = tuple(sorted(wanted_ids))
         """The ids that it looks for."""
         for number in self.ids:
             if not 0 <= number < len(whole.bytesList):
@@ -126,6 +127,13 @@ class FiducialDetector:
         found.sort(key=lambda each: -each.side)
         others = tuple(np.asarray(each, np.float64).reshape(4, 2) for each in rejected)
         return Detections(tuple(found), others)
+
+
+def _number(given: object) -> int:
+    """The id of a marker. Raises ValueError for what is none."""
+    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
+        return int(given)
+    raise ValueError(f"the ids of markers are whole numbers, not {given!r:.40}")
 
 
 def _dictionary(name: str) -> cv2.aruco.Dictionary:

@@ -25,7 +25,7 @@ from fsm.compiler.namespace import FAILED_FIELDS, Fields
 from fsm.compiler.parameters import parse_parameters
 from fsm.compiler.tree import Tree
 from fsm.compiler.unused import unused
-from fsm.expressions.compiled import Compiled, compile_expression
+from fsm.expressions.compiled import Compiled, compile_expression, require_value
 from fsm.expressions.literals import read_value
 from fsm.expressions.scope import Scope, start
 from fsm.faults import Faults
@@ -364,7 +364,10 @@ class _Compiler:
                     )
                     continue
                 with self.faults.collecting():
-                    values[key][parameter.name] = read_value(named.node, parameter.type, context)
+                    value = read_value(named.node, parameter.type, context)
+                    values[key][parameter.name] = value
+                    if parameter.required:
+                        require_value(value)
         for twice in sorted(values["with"].keys() & values["live"].keys()):
             self.faults.warn(
                 "given-twice",

@@ -96,6 +96,12 @@ def compile_expression(
     )
 
 
+def require_value(compiled: Compiled) -> None:
+    """Refuse a constant that is none, where there has to be a value."""
+    if compiled.constant and compiled.value() is None:
+        raise UserError("wrong-type", "a value is missing here", compiled.where)
+
+
 def _cure(wanted: Type) -> str | None:
     """A hint that shows what is wanted; None where the message says it all."""
     if isinstance(wanted, Bool):

@@ -205,7 +205,7 @@ def test_pictures_of_a_tilted_vehicle_are_ignored_if_asked() -> None:
     [
         ({"ids": [50]}, "4X4_50 has the markers 0 to 49, not 50"),
         ({"ids": ["a"]}, "the ids of markers are whole numbers"),
-        ({"needed": 4, "of": 3}, "nothing is found in 4 of 3 pictures"),
+        ({"needed": 4, "of": 3}, "needed (4) is above of (3)"),
         ({"camera": "rear"}, "rear"),
     ],
 )

@@ -180,6 +180,13 @@ def test_noise_alone_shows_nothing() -> None:
         ([{"color": {"color": "red", "size": 1, "shape": "oval"}}], "any or round", ""),
         ([{"fiducials": {"dictionary": "4X4"}}], "no marker dictionary", ""),
         ([{"fiducials": {"ids": [50]}}], "0 to 49", ""),
+        ([{"fiducials": {"ids": 3}}], "is a list of whole numbers", ""),
+        ([{"fiducials": {"ids": [1.5]}}], "whole numbers, not 1.5", ""),
+        ([{"fiducials": {"ids": ["3", 4]}}], "whole numbers, not '3'", ""),
+        ([{"fiducials": {"parameters": 3}}], "is a map of names", ""),
+        ([{"fiducials": {"kind": "../../up"}}], "the kind of a thing is a word", ""),
+        ([{"people": {"kind": ""}}], "the kind of a thing is a word", ""),
+        ([{"color": {"color": "red", "size": 1, "kind": "a/b"}}], "the kind of a thing", ""),
         ([{"find": {"least": 3}}], "needs 'color'", ""),
         ([{"find": {"lest": 3}}], "no setting 'lest'", "did you mean 'least'?"),
         ([{"find": {"color": "red", "least": "much"}}], "much is not a number", ""),
@@ -194,6 +201,15 @@ def test_what_is_no_detector_is_told(given: Any, message: str, hint: str) -> Non
     with pytest.raises(Unflyable, match=message) as raised:
         read_detectors(given, own)
     assert raised.value.parameter == "detect" and raised.value.hint.startswith(hint)
+
+
+@pytest.mark.parametrize(
+    ("kind", "id_"),
+    [("../up", ""), ("", ""), ("a b", ""), (None, ""), ("k" * 33, ""), ("k", "7/8"), ("k", 7)],
+)
+def test_a_thing_has_a_name_that_its_photo_can_have(kind: Any, id_: Any) -> None:
+    with pytest.raises(ValueError, match="of a thing is a word"):
+        Sighting(kind, (1.0, 2.0), 0.0, id_)
 
 
 def test_a_detector_of_ones_own_is_given_frame_ground_and_settings() -> None:

@@ -16,7 +16,7 @@ from runner import missions, prepare, prepare_fleet
 from runner.fleets import check_ways
 from runner.geometry import Findings, Terms, check_geometry
 from tests.missions.shipped import FLEETS, MISSIONS
-from vencejo.errors import Where
+from vencejo.errors import UserError, Where
 from vencejo.nodes import Scalar
 from worlds import World, find_world
 from worlds.loader import read_world
@@ -468,12 +468,24 @@ SQUARE = "[[0, 0], [9, 0], [9, 9], [0, 9]]"
             "crosses or touches",
             "area",
         ),
+        (
+            "sweep_detect, with: {detect: [people], area: [[0, 0], [3, 0], [3, 3]], "
+            "holes: [[[-1, -1], [9, -1], [9, 9]]]}",
+            "the holes leave nothing",
+            "holes",
+        ),
+        (
+            "sweep_detect, with: {detect: [people], area: [[0, 0], [1e-4, 0], [0, 1e-4]]}",
+            "this area has no extent",
+            "area",
+        ),
         ("photo, with: {camera: front, name: a/b}", "'a/b' is no name of a picture", "name"),
         ("photo, with: {camera: front, heading: travel}", "it does not travel", "heading"),
     ],
 )
 def test_parameters_that_make_no_flight_are_an_error(do: str, message: str, place: str) -> None:
-    ways = "done: home, failed: land" + (", blocked: land" if "photo" not in do else "")
+    blocked = "" if do.startswith(("photo", "sweep")) else ", blocked: land"
+    ways = f"done: home, failed: land{blocked}"
     text = flight(f"go: {{do: {do}, on: {{{ways}}}}}")
     line = text.splitlines()[5]
     column = line.index(f"{place}: ") + len(place) + 3 if place else 3
@@ -485,6 +497,64 @@ def test_parameters_that_make_no_flight_are_an_error(do: str, message: str, plac
     )
     assert message in fault.message
     assert fault.message.startswith(f"'{do.partition(',')[0]}' cannot fly this: ")
+
+
+@pytest.mark.parametrize(
+    ("do", "message", "place"),
+    [
+        ("find_color, with: {color: rad}", "there is no colour 'rad'", "color"),
+        ("find_color, with: {color: red, min_area_limit: 9, max_area_limit: 8}", "above", "limit"),
+        ("find_road, with: {color: {hsv: 3}}", "hsv is the lowest and the highest", "color"),
+        ("watch_traffic, with: {colors: [red, rad]}", "there is no colour 'rad'", "colors"),
+        ("watch_traffic, with: {colors: []}", "name one or more", "colors"),
+        ("watch_traffic, with: {min_size: 20}", "is above max_size (15)", "min_size"),
+        ("detect_tags, with: {camera: ventral, ids: [50]}", "has the markers 0 to 49", "ids"),
+        ("detect_tags, with: {camera: ventral, ids: ['3']}", "are whole numbers", "ids"),
+        ("detect_tags, with: {camera: ventral, needed: 6}", "needed (6) is above of (5)", "needed"),
+    ],
+)
+def test_a_companion_that_can_see_nothing_is_an_error(do: str, message: str, place: str) -> None:
+    inside = "states: {stay: {do: hover, after: {5 s: land}}}"
+    text = flight(f"go: {{do: {do}, on: {{failed: land}}, {inside}}}")
+    (fault,) = checked(text).faults
+    column = text.splitlines()[5].index(f"{place}: ") + len(place) + 3
+    assert (fault.code, fault.where) == ("unflyable", Where("m.yaml", 6, column))
+    assert message in fault.message
+
+
+@pytest.mark.parametrize(
+    "do",
+    [
+        "find_color, with: {color: $seen}",
+        "find_road, with: {color: {hsv: [$low, [90, 255, 255]]}}",
+        "watch_traffic, with: {colors: [red, $seen]}",
+        "detect_tags, with: {camera: ventral, ids: $wanted}",
+    ],
+)
+def test_what_a_companion_sees_may_be_decided_in_flight(do: str) -> None:
+    data = "data: {seen: {type: any, default: 3}, low: [0, 0, 0], wanted: {type: any, default: 3}}"
+    sets = "entry: {set: {seen: '${[vehicle.altitude]}', wanted: '${[vehicle.altitude]}'}}"
+    inside = "states: {stay: {do: hover, after: {5 s: land}}}"
+    text = flight(f"go: {{{sets}, do: {do}, on: {{failed: land}}, {inside}}}", data)
+    assert checked(text).faults == ()
+
+
+@pytest.mark.parametrize(
+    ("do", "ends", "message"),
+    [
+        ("hover_over, with: {target: marker, id: 50}", "failed: land", "0 to 49, not 50"),
+        ("follow_road, with: {min_width: 7 m}", "done: land, lost: land", "is above max_width (6)"),
+    ],
+)
+def test_what_can_follow_nothing_is_an_error(do: str, ends: str, message: str) -> None:
+    (fault,) = checked(flight(f"go: {{do: {do}, on: {{{ends}}}, after: {{9 s: land}}}}")).faults
+    assert fault.code == "unflyable" and message in fault.message
+
+
+def test_a_parameter_that_must_be_given_is_not_left_empty() -> None:
+    text = flight("go: {do: track_object, with: {target: null}, on: {lost: land}}")
+    with pytest.raises(UserError, match=r"m.yaml:6:41: error: a value is missing here"):
+        checked(text)
 
 
 def test_a_name_that_the_flight_decides_is_no_error() -> None:
