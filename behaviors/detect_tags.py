@@ -131,6 +131,7 @@ class DetectTags(Behavior):
         require_order(params, "needed", "of")
         finder = finder_of(params.dictionary, params.ids, params.size, roundels=params.roundels)
         tracks = TagTracks(params.needed, params.of)
+        tracks.go_on((progress or {}).get("roundels", ()))
         self.watch = TagWatch(
             flight, self.name, params.camera, finder, tracks, params.roll_pitch_thr
         )
@@ -148,6 +149,9 @@ class DetectTags(Behavior):
         self.published = self._values(visible, flight.now)
         flight.publish(self.published)
         return None
+
+    def progress(self) -> dict[str, Any]:
+        return {"roundels": self.watch.progress()}
 
     def _seen(self, sighting: Sighting) -> Seen:
         where = sighting.place

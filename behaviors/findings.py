@@ -174,7 +174,7 @@ class Findings:
 
     def _status(self, thing: Thing, frame: Frame) -> News | None:
         """What is to be told of a thing that is in a frame."""
-        if thing.is_found or not thing.is_certain:
+        if thing.is_found or not thing.is_certain or self._is_mistaken(thing):
             return None
         if horizontal_distance(frame.position, thing.position) <= self.radius:
             return self._find(thing)
@@ -182,6 +182,19 @@ class Findings:
             return None
         thing.told_far = True
         return News(thing, "far")
+
+    def _is_mistaken(self, thing: Thing) -> bool:
+        """Whether a thing is one that was found, by views that placed it too far away: now that it
+        is nearer to it than two are. It is forgotten then.
+        """
+        mistaken = any(
+            (each.kind, each.own_id) == (thing.kind, thing.own_id)
+            and dist(each.position[:2], thing.position[:2]) <= self._near
+            for each in self.found
+        )
+        if mistaken:
+            self.things = [each for each in self.things if each is not thing]
+        return mistaken
 
     def _find(self, thing: Thing) -> News:
         number = sum(each.kind == thing.kind for each in self.found) + 1
@@ -199,8 +212,10 @@ class Findings:
     def finish(self) -> list[News]:
         """The end: what was only seen from afar counts too, and all that was not told is."""
         news = []
-        for thing in self.things:
+        for thing in list(self.things):
             if not thing.is_found and thing.is_certain:
+                if self._is_mistaken(thing):
+                    continue
                 news.append(self._find(thing))
                 thing.passing = False
             elif thing.is_found and thing.passing:

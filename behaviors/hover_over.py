@@ -85,7 +85,9 @@ class HoverOver(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         params, seen = self.params, flight.observation
         finder = _finder(params, params.size)
-        self.watch = TagWatch(flight, self.name, CAMERA, finder, TagTracks())
+        tracks = TagTracks()
+        tracks.go_on((progress or {}).get("roundels", ()))
+        self.watch = TagWatch(flight, self.name, CAMERA, finder, tracks)
         self.chase = Chase(seen)
         self.height, self.yaw = seen.position.z, seen.yaw
         self.here = seen.position
@@ -144,6 +146,7 @@ class HoverOver(Behavior):
             "yaw": self.yaw,
             "here": list(self.here),
             "chase": self.chase.progress(),
+            "roundels": self.watch.progress(),
         }
 
 

@@ -151,6 +151,8 @@ class LandOn(Behavior):
             self.watch.show(flight, "land_on", f"{self.phase} {self._height(flight):.2f} m")
         if self.phase == "landing":
             ended = self._come_down(flight)
+        elif not flight.observation.flying:
+            ended = self._standing(flight)
         elif self.phase == "looking":
             ended = self._look(flight)
         else:
@@ -261,6 +263,13 @@ class LandOn(Behavior):
         x, y = moves.x + east * unseen + x * share, moves.y + north * unseen + y * share
         self.order = flight.land(Point(x, y, 0.0))
         return None
+
+    def _standing(self, flight: Flight) -> Outcome:
+        """It begins or goes on where something else has landed it: on the pad, or beside."""
+        off = self._off(flight)
+        if self._pad(flight.now) is None or off > self.largest:
+            return Outcome("failed", {"reason": "the vehicle stands on the ground, not on the pad"})
+        return self._landed(flight)
 
     def _landed(self, flight: Flight) -> Outcome:
         off, height = self._off(flight), self._height(flight)

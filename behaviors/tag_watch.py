@@ -73,6 +73,10 @@ class TagWatch:
             image = circle(image, track.pixel, radius, color, f"{track.id}")
         return image
 
+    def progress(self) -> list[list[float] | None]:
+        """The roundels that it knows, as JSON."""
+        return self._tracks.progress()
+
     def visible(self, now: float) -> list[Track]:
         """The tags in view."""
         return self._tracks.visible if now - self._time <= FORGOTTEN else []

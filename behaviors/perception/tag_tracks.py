@@ -8,7 +8,7 @@ known a filter of constant velocity bridges the pictures in which it was missed.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import hypot, isnan, sqrt
 
@@ -146,6 +146,14 @@ class TagTracks:
         self._tracks: list[Track] = []
         self._roundels: list[Point | None] = []
         """Where each roundel was last, by its number from 1 on; None where it is not known."""
+
+    def progress(self) -> list[list[float] | None]:
+        """Where each roundel was last, as JSON."""
+        return [place and list(place) for place in self._roundels]
+
+    def go_on(self, progress: Iterable[Sequence[float] | None]) -> None:
+        """Go on with the numbers of the roundels of other tracks."""
+        self._roundels = [Point(*place) if place else None for place in progress]
 
     @property
     def visible(self) -> list[Track]:

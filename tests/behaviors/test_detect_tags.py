@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from math import degrees, pi, radians
 from typing import Any
@@ -21,6 +22,10 @@ ROW = (
     "  b: {at: [4, -0.2], id: 7, size: 30 cm, heading: 40 deg}\n"
 )
 UPRIGHT = "markers: {a: {at: [4, 0.5, 3.2], id: 9, size: 30 cm, faces: 180 deg}}\n"
+PAIR = (
+    "roundels:\n  a: {at: [2, 0], size: 30 cm, heading: 90 deg}\n"
+    "  b: {at: [4, 0], size: 30 cm, heading: 180 deg}\n"
+)
 
 
 def world_look(text: str) -> Look:
@@ -168,11 +173,7 @@ def test_equal_markers_are_told_apart_by_their_places() -> None:
 
 
 def test_roundels_have_numbers_that_they_keep() -> None:
-    pair = (
-        "roundels:\n  a: {at: [2, 0], size: 30 cm, heading: 90 deg}\n"
-        "  b: {at: [4, 0], size: 30 cm, heading: 180 deg}\n"
-    )
-    watcher = Watcher(world_look(pair), size=0.3)
+    watcher = Watcher(world_look(PAIR), size=0.3)
     tags = watcher.at(2, 0, periods=8)
     assert (tags.id, tags.kind) == (1, "roundel")
     assert degrees(tags.angle) == pytest.approx(90, abs=2)
@@ -181,7 +182,20 @@ def test_roundels_have_numbers_that_they_keep() -> None:
     assert watcher.at(4, 0, periods=8).id == 2
     watcher.fly(4, 2)
     assert watcher.at(2, 0, periods=8).id == 1
-    assert not Watcher(world_look(pair), roundels=False).at(2, periods=8).visible
+    assert not Watcher(world_look(PAIR), roundels=False).at(2, periods=8).visible
+
+
+def test_interrupted_it_knows_the_roundels_numbers() -> None:
+    watcher = Watcher(world_look(PAIR), size=0.3)
+    watcher.at(2, 0, periods=8)
+    watcher.fly(2, 4)
+    progress = json.loads(json.dumps(watcher.solo.activity.progress()))
+    watcher.solo.activity.stop()
+    given, vehicle = {"camera": "ventral", "size": 0.3}, (watcher.solo.session, watcher.vehicle)
+    again = Solo("detect_tags", given, progress=progress, vehicle=vehicle)
+    for _ in range(8):
+        again.step()
+    assert again.activity.published.id == 2
 
 
 def test_only_the_ids_that_it_is_told() -> None:

@@ -83,6 +83,20 @@ def test_nearer_than_near_is_the_same_thing() -> None:
     assert [thing.name for thing in search.findings.found] == ["person_1"]
 
 
+@pytest.mark.parametrize("radius", [2.0, 0.5])
+def test_a_thing_that_was_placed_too_far_away_at_first_is_no_other(radius: float) -> None:
+    search = Search(near=1.0, radius=radius)
+    person = ("person", Point(0, 0, 0))
+    for _ in range(5):
+        search.look(Point(0, 0, 6), person)
+    search.look(Point(-0.6, 0, 6), person, ("person", Point(1.1, 0, 0)))
+    for _ in range(5):
+        search.look(Point(-0.6, 0, 6), person, ("person", Point(0.8, 0, 0)))
+    search.findings.finish()
+    assert [thing.name for thing in search.findings.found] == ["person_1"]
+    assert search.findings.found[0].position.x == pytest.approx(0)
+
+
 def test_an_id_of_its_own_tells_things_apart_and_names_them() -> None:
     search = Search()
     search.over(("marker", Point(0, 0, 0)), own_id="7")

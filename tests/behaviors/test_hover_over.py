@@ -127,6 +127,7 @@ def test_interrupted_it_goes_on_at_its_height() -> None:
     over.vehicle.position = over.vehicle.position._replace(z=1.1)
     again.run(3)
     assert distance(over.vehicle.position, (0.3, 0.2, 1.2)) < 0.02
+    assert len(progress["roundels"]) == len(again.activity.progress()["roundels"]) == 1
 
 
 @pytest.mark.parametrize("grey", [0, 127, 255])

@@ -173,6 +173,25 @@ def test_it_goes_on_where_it_was() -> None:
     assert again.word == "done"
 
 
+def test_on_the_ground_it_is_done_on_the_pad_and_has_failed_elsewhere() -> None:
+    pad = pad_at(0.1, 0.0)
+    solo = landing(seen_of(pad), height=1.0)
+    solo.run(30)
+    assert solo.word == "done"
+    progress, vehicle = solo.activity.progress(), (solo.session, solo.vehicle)
+    solo.activity.stop()
+    again = Solo("land_on", {"marker": MARKER}, progress=progress, vehicle=vehicle)
+    again.step()
+    assert again.word == "done"
+    solo.vehicle.position = Point(3.0, 0.0, 0.0)
+    solo.session.wait()
+    for told in (progress, None):
+        elsewhere = Solo("land_on", {"marker": MARKER}, progress=told, vehicle=vehicle)
+        assert elsewhere.step() is None
+        assert elsewhere.outcome is not None and elsewhere.word == "failed"
+        assert "stands on the ground, not on the pad" in elsewhere.outcome.fields["reason"]
+
+
 def pictures() -> dict[str, Callable[[Pixels], Pixels]]:
     noise = np.random.default_rng(1).integers(0, 256, (240, 320, 3), dtype=np.uint8)
     return {
