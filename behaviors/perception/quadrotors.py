@@ -43,8 +43,8 @@ _SHARE_ERROR = 0.03
 _ANY_HEADING = 0.02
 """Weight of a heading that does not fit at all: what is not a share of a hull tells nothing."""
 _HALF_SEEN = 0.5
-"""Standard deviation of a range, as a share of it, where no hull is below the bar: far away it may be
-the hull that is seen, and the bar that is not.
+"""Standard deviation of a range, as a share of it, where no hull is below the bar: far away it may
+be the hull that is seen, and the bar that is not.
 """
 _ROUND = 0.8
 """Height over width from which on a thing is taken for a ball."""
