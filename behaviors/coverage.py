@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import ceil, cos, dist, hypot, inf, pi, sin
 from typing import Any
@@ -35,6 +35,12 @@ _STEP = pi / 36
 """Directions that are tried, beside those of all sides of the area, are so far apart."""
 _TRIED = 8
 """Directions whose whole way is worked out: the most promising ones."""
+_AT_LEAST = 0.8
+"""Share of its estimate that a way takes at the least."""
+_SPLITS = 3
+"""How often a part of a strip that is forked is split into halves."""
+_MISSED = 0.06
+"""Area that may be missed in a part of a strip, in squares as wide as the strip."""
 _CLEAR = 0.3
 """Distance at which a way passes a corner round which it leads, where there is room, metres."""
 _TURN = 1.0
@@ -112,33 +118,35 @@ def lanes_over(
     best one. Raises Unflyable for an area of too many lanes, and one that has no extent.
     """
     outlines = tuple(tuple(hole) for hole in holes)
-    return _lanes_over(tuple(corners), outlines, footprint, speed, begin, axis)
-
-
-@lru_cache(maxsize=32)
-def _lanes_over(
-    corners: tuple[XY, ...],
-    holes: tuple[tuple[XY, ...], ...],
-    footprint: Footprint,
-    speed: float,
-    begin: XY | None,
-    axis: float | None,
-) -> Lanes:
-    area = area_of(corners, holes)
     turn = _TURN * speed
-    axes = [axis] if axis is not None else _axes(area)
-    plans = [_Strips(area, footprint, each) for each in axes]
-    plans.sort(key=lambda plan: plan.estimate(turn))
-    inside = _Inside(area)
     best, least = None, inf
-    for plan in plans[:_TRIED]:
-        lanes = _ordered(plan.cells(), plan.axis, inside, begin)
+    for plan in _plans(tuple(corners), outlines, footprint, turn, axis):
+        if _AT_LEAST * plan.estimate > least:
+            break
+        lanes = plan.ordered(begin)
         start = 0.0 if begin is None else dist(begin, lanes.places[0])
         cost = lanes.length + start + turn * len(lanes.lanes)
         if cost < least - _SMALL:
             best, least = lanes, cost
     assert best is not None
     return best
+
+
+@lru_cache(maxsize=32)
+def _plans(
+    corners: tuple[XY, ...],
+    holes: tuple[tuple[XY, ...], ...],
+    footprint: Footprint,
+    turn: float,
+    axis: float | None,
+) -> list[_Plan]:
+    """The most promising directions, the best one first, with what is worked out for them."""
+    area = area_of(corners, holes)
+    inside = _Inside(area)
+    axes = [axis] if axis is not None else _axes(area)
+    strips = [_Strips(area, footprint, each) for each in axes]
+    plans = [_Plan(each, each.estimate(turn), inside) for each in strips]
+    return sorted(plans, key=lambda plan: plan.estimate)[:_TRIED]
 
 
 def _axes(area: Polygon | MultiPolygon) -> list[float]:
@@ -173,6 +181,7 @@ class _Strips:
 
     def __init__(self, area: Polygon | MultiPolygon, footprint: Footprint, axis: float) -> None:
         self.axis = axis
+        self._footprint = footprint
         self._ahead, self._beside = footprint.ahead, footprint.beside
         area = shapely.transform(area, lambda places: _turned(places, -axis))
         west, low, east, high = area.bounds
@@ -228,38 +237,23 @@ class _Strips:
             joints = [[j for j, other in enumerate(below) if _touch(part, other)] for part in parts]
             row = []
             for number, part in enumerate(parts):
-                lane = self._lane(part, k)
+                lines = self._lines(part, k)
                 (before,) = joints[number] if len(joints[number]) == 1 else (None,)
                 alone = before is not None and sum(before in each for each in joints) == 1
                 if before is not None and alone:
                     cell = numbers[-1][before]
-                    cells[cell].append(lane)
+                    cells[cell] += lines
                 else:
                     cell = len(cells)
-                    cells.append([lane])
+                    cells.append(lines)
                 row.append(cell)
             numbers.append(row)
         return [[self._back(lane) for lane in cell] for cell in cells]
 
-    def _lane(self, part: Polygon, k: int) -> tuple[XY, ...]:
-        """The places from which one part of a strip is seen, from west to east."""
-        west, east = self._extent(part, k)
-        first, last = west + self._ahead, east - self._ahead
-        if first >= last:
-            first = last = (west + east) / 2
-        middle = (self._edges[k] + self._edges[k + 1]) / 2
-        centre = LineString([(self._span[0], middle), (self._span[1], middle)])
-        pieces = sorted(_intervals(part.intersection(centre)))
-        line: list[XY] = []
-        if not pieces or first < pieces[0][0]:
-            line.append(_within(part, first))
-        for begin, end in pieces:
-            begin, end = max(begin, first), min(end, last)
-            if begin <= end:
-                line += [(begin, middle), (end, middle)]
-        if not pieces or last > pieces[-1][1]:
-            line.append(_within(part, last))
-        return tuple(dict.fromkeys(line))
+    def _lines(self, part: Polygon, k: int) -> list[tuple[XY, ...]]:
+        """The lanes from which one part of a strip is seen, each from west to east."""
+        strip = self._edges[k], self._edges[k + 1]
+        return _lines(part, self._extent(part, k), strip, self._footprint)
 
     def _extent(self, part: Polygon, k: int) -> XY:
         """From where to where a part must be seen from its own lane."""
@@ -290,13 +284,91 @@ def _intervals(geometry: Any) -> list[XY]:
     return [(line.bounds[0], line.bounds[2]) for line in lines if line.length > _SMALL]
 
 
-def _within(part: Polygon, x: float) -> XY:
-    """A place of a polygon at x: the middle of the longest piece there."""
+def _lines(
+    part: Polygon, extent: XY, strip: XY, footprint: Footprint, splits: int = _SPLITS
+) -> list[tuple[XY, ...]]:
+    """The lanes in a part of a strip, each from west to east: one along its middle where that is
+    inside, else beside that. A part that is forked so that one lane does not see all
+    of it is split into halves.
+
+    ``extent`` is from where to where it must be seen along x, ``strip`` the edges of the strip.
+    """
+    ahead = footprint.ahead
+    first, last = extent[0] + ahead, extent[1] - ahead
+    if first >= last:
+        first = last = (extent[0] + extent[1]) / 2
+    middle = (strip[0] + strip[1]) / 2
+
+    def off(y: float) -> float:
+        return abs(y - middle)
+
+    west, _, east, _ = part.bounds
+    centre = part.intersection(LineString([(west - 1, middle), (east + 1, middle)]))
+    line: list[XY] = []
+    is_forked, here = False, first
+    for begin, end in [*sorted(_intervals(centre)), (inf, inf)]:
+        for x in _stations(here, min(begin, last), ahead):
+            pieces = _pieces(part, x)
+            is_forked = is_forked or len(pieces) > 1
+            line.append((x, min((_towards(middle, *piece) for piece in pieces), key=off)))
+        begin, end = max(begin, first), min(end, last)
+        if begin <= end:
+            line += [(begin, middle), (end, middle)]
+        here = max(here, end)
+    most = _MISSED * footprint.across**2
+    if is_forked and splits and _missed(part, extent, line, footprint) > most:
+        return _halves(part, strip, footprint, splits - 1)
+    return [tuple(dict.fromkeys(line))]
+
+
+def _missed(part: Polygon, extent: XY, line: list[XY], footprint: Footprint) -> float:
+    """The area of a part that is not seen from a lane, square metres."""
+    across, ahead = footprint.across / 2 + footprint.beside, footprint.ahead
+    offsets = [(dx, dy) for dx in (-ahead, ahead) for dy in (-across, across)]
+    seen = [
+        shapely.MultiPoint([(x + dx, y + dy) for x, y in leg for dx, dy in offsets]).convex_hull
+        for leg in ([*pairwise(line)] or [(line[0], line[0])])
+    ]
+    _, low, _, high = part.bounds
+    wanted = part.intersection(shapely.box(extent[0], low, extent[1], high))
+    return float(wanted.difference(shapely.union_all(seen)).area)
+
+
+def _halves(part: Polygon, strip: XY, footprint: Footprint, splits: int) -> list[tuple[XY, ...]]:
+    """The lanes of the two halves of a strip."""
+    (low, high), (west, _, east, _) = strip, part.bounds
+    middle = (low + high) / 2
+    lines = []
+    for half in ((low, middle), (middle, high)):
+        cut = part.intersection(shapely.box(west, half[0], east, half[1]))
+        for piece in _polygons(cut):
+            if piece.area > _SMALL:
+                extent = piece.bounds[0], piece.bounds[2]
+                lines += _lines(piece, extent, half, footprint, splits)
+    return lines
+
+
+def _towards(middle: float, bottom: float, top: float) -> float:
+    """The number between two others that is nearest to a middle, with some room if there is."""
+    room = min(_CLEAR, (top - bottom) / 2)
+    return min(max(middle, bottom + room), top - room)
+
+
+def _stations(begin: float, end: float, apart: float) -> list[float]:
+    """Places from a begin to an end, both included, no farther apart than that."""
+    if end < begin:
+        return []
+    parts = ceil((end - begin) / apart) or 1
+    return [begin + (end - begin) * k / parts for k in range(parts + 1)]
+
+
+def _pieces(part: Polygon, x: float) -> list[XY]:
+    """From where to where a polygon is cut at x, one or more times."""
     _, low, _, high = part.bounds
     cut = part.intersection(LineString([(x, low - 1), (x, high + 1)]))
-    pieces = [each for each in shapely.get_parts(cut) if not each.is_empty]
-    longest = max(pieces, key=lambda piece: piece.length)
-    return x, (longest.bounds[1] + longest.bounds[3]) / 2
+    found = [each.bounds for each in shapely.get_parts(cut) if not each.is_empty]
+    long = [(bottom, top) for _, bottom, _, top in found if top - bottom > _SMALL]
+    return long or [(bottom, top) for _, bottom, _, top in found]
 
 
 # -- ways inside --------------------------------------------------------------------------------
@@ -312,6 +384,7 @@ class _Inside:
     def __init__(self, area: Polygon | MultiPolygon) -> None:
         self._area = area.buffer(1e-4, join_style="mitre")
         shapely.prepare(self._area)
+        self._known: dict[XY, Any] = {}
         self._corners = [
             self._cleared(*corner)
             for part in _polygons(area)
@@ -342,6 +415,11 @@ class _Inside:
 
     def _seen_from(self, place: XY) -> Any:
         """The straight distances from a place to all corners; infinite where none is inside."""
+        if place not in self._known:
+            self._known[place] = self._distances(place)
+        return self._known[place]
+
+    def _distances(self, place: XY) -> Any:
         ends = np.array(self._corners)
         lines = shapely.linestrings(np.stack([np.broadcast_to(place, ends.shape), ends], axis=1))
         straight = np.hypot(*(ends - place).T)
@@ -415,30 +493,45 @@ def _joined(line: tuple[XY, ...], inside: _Inside) -> tuple[XY, ...]:
     return tuple(joined)
 
 
-def _ordered(cells: Sequence[_Cell], axis: float, inside: _Inside, begin: XY | None) -> Lanes:
-    """All lanes, cell by cell, in a short order."""
-    choices = [
-        [
-            _Flown(cell, upwards, eastwards, inside)
-            for upwards in ((True, False) if len(cell) > 1 else (True,))
-            for eastwards in (True, False)
+class _Plan:
+    """The lanes of one direction, before their order is chosen."""
+
+    def __init__(self, strips: _Strips, estimate: float, inside: _Inside) -> None:
+        self.estimate = estimate
+        """About what it costs (see :meth:`_Strips.estimate`)."""
+        self._strips, self._inside = strips, inside
+
+    @cached_property
+    def _choices(self) -> list[list[_Flown]]:
+        """Each cell, flown from each of its corners."""
+        return [
+            [
+                _Flown(cell, upwards, eastwards, self._inside)
+                for upwards in ((True, False) if len(cell) > 1 else (True,))
+                for eastwards in (True, False)
+            ]
+            for cell in self._strips.cells()
         ]
-        for cell in cells
-    ]
-    ways = _Ways(choices, inside)
-    tours = (
-        _greedy(choices, ways, (cell, turn))
-        for cell, turns in enumerate(choices)
-        for turn in range(len(turns))
-    )
-    tour = min(tours, key=lambda tour: ways.length(tour, begin))
-    tour = _improved(tour, choices, ways, begin)
-    lanes: list[Lane] = []
-    for cell, turn in tour:
-        first, *others = choices[cell][turn].lanes
-        approach = inside.way(lanes[-1].line[-1], first.line[0]) if lanes else []
-        lanes += [Lane(tuple(approach), first.line), *others]
-    return Lanes(tuple(lanes), axis)
+
+    @cached_property
+    def _ways(self) -> _Ways:
+        return _Ways(self._choices, self._inside)
+
+    def ordered(self, begin: XY | None) -> Lanes:
+        """All lanes, cell by cell, in a short order for whoever comes from ``begin``."""
+        choices, ways = self._choices, self._ways
+        tours = (
+            _greedy(choices, ways, (cell, turn))
+            for cell, turns in enumerate(choices)
+            for turn in range(len(turns))
+        )
+        tour = min(tours, key=lambda tour: ways.length(tour, begin))
+        lanes: list[Lane] = []
+        for cell, turn in _improved(tour, choices, ways, begin):
+            first, *others = choices[cell][turn].lanes
+            approach = self._inside.way(lanes[-1].line[-1], first.line[0]) if lanes else []
+            lanes += [Lane(tuple(approach), first.line), *others]
+        return Lanes(tuple(lanes), self._strips.axis)
 
 
 _Stop = tuple[int, int]

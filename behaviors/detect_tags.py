@@ -134,9 +134,12 @@ class DetectTags(Behavior):
         self.published = Tags()
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        for sighting in self.watch.look(flight, self._is_centered):
+        sighted = self.watch.look(flight, self._is_centered)
+        for sighting in sighted or ():
             flight.raise_event("tag.seen", self._seen(sighting))
         visible = self.watch.visible(flight.now)
+        if sighted is None and bool(visible) == self.published.visible:
+            return None
         self.nearest = _nearest(visible, self.nearest)
         self.published = self._values(visible, flight.now)
         flight.publish(self.published)

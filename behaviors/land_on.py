@@ -46,6 +46,8 @@ CLOSING = 2.0
 """Gain from distance to speed over the pad when it comes down, 1/s."""
 MOST_CLOSING = 0.5
 """Largest such speed, m/s."""
+TURNING = 1.0
+"""Seconds for which a pad is expected to go on to turn, or to slow down, as it did."""
 TURN_RATE = 1.0
 """Turn rate when it is aligned with the pad, rad/s."""
 NEARLY = 0.3
@@ -249,9 +251,15 @@ class LandOn(Behavior):
             return self._lose(flight)
         pad, moves = self._pad(flight.now), self._velocity(flight.now)
         assert pad is not None
-        x, y = CLOSING * (pad.x - seen.position.x), CLOSING * (pad.y - seen.position.y)
+        # Near the pad it is seen so well that it can be told how it turns, for the moment in which
+        # it is not seen any more.
+        unseen = min(TURNING, self.watch.age(flight.now))
+        east, north, _ = self.watch.acceleration
+        x = CLOSING * (pad.x + east * unseen**2 / 2 - seen.position.x)
+        y = CLOSING * (pad.y + north * unseen**2 / 2 - seen.position.y)
         share = min(1.0, MOST_CLOSING / hypot(x, y)) if x or y else 0.0
-        self.order = flight.land(Point(moves.x + x * share, moves.y + y * share, 0.0))
+        x, y = moves.x + east * unseen + x * share, moves.y + north * unseen + y * share
+        self.order = flight.land(Point(x, y, 0.0))
         return None
 
     def _landed(self, flight: Flight) -> Outcome:

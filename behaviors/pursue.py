@@ -28,6 +28,10 @@ _UNSEEN = 0.5
 """Seconds without a sight of the target after which it is lost."""
 _SLOWLY = 0.05
 """Share of the height of the camera that is followed in each frame: tilt moves it up and down."""
+_MARGIN = 0.06
+"""Seconds of the target's way that it stays farther away: it learns late of a turn, and is nearer
+then.
+"""
 _MARK = 30.0
 """Radius of the circle about the target in pictures for people, pixels."""
 _STEEPEST = 0.36
@@ -136,6 +140,9 @@ class Pursue(Behavior):
         flight.command(self.reference.setpoint())
         return None
 
+    def progress(self) -> dict[str, Any]:
+        return {"losses": self.losses}
+
     def _tell(self, flight: Flight) -> None:
         """Raise what has changed, and publish what is known."""
         track, now = self.track, flight.now
@@ -222,6 +229,7 @@ class Pursue(Behavior):
         along, across = speed.x * ux + speed.y * uy, speed.y * ux - speed.x * uy
         turning = across / far
         wanted = sqrt(max(params.nearest**2, params.distance**2 - params.above**2))
+        wanted += _MARGIN * hypot(speed.x, speed.y)
         drop = reference.place.z + self.eye_height - self.track.position_at(now).z
         wanted = max(wanted, abs(drop) / _STEEPEST)
         error = _beyond(far - wanted, params.dead_distance)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass
-from math import cos, pi, sin
 from typing import Any, ClassVar
 
 import shapely
@@ -17,8 +16,8 @@ from behaviors.flight import Flight
 from behaviors.lane_flight import LaneFlight, LaneStyle, along_lanes, lane_places
 from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
-from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, path, text_line
-from behaviors.perception.projection import tilt_of
+from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, text_line
+from behaviors.perception.projection import pixels_of, tilt_of
 from behaviors.plan import Legs, PlanStart, leg_to
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
@@ -33,8 +32,8 @@ _SURE = 0.92
 """Share of what is seen at the edges of a level picture that counts as seen."""
 _RADIUS = 0.6
 """Of the spacing: the distance from which things are found, more than half of what is between."""
-_RING, _MARK = 24, 14.0
-"""Sides of a drawn ring, and the radius of the circle round a thing, pixels."""
+_MARK = 14.0
+"""Radius of the circle drawn round a thing, pixels."""
 _EDGE = 0.3
 """Things that are less outside the area count as inside, metres."""
 
@@ -241,10 +240,9 @@ def _drawn(frame: Frame, ground: float, findings: Findings) -> Pixels:
     """What is in view: green where it is found in this pass, blue where it is far off or known; and
     the circle in which things are found.
     """
-    below = frame.position._replace(z=ground)
-    turns = [2 * pi * k / _RING for k in range(_RING + 1)]
-    ring = [below.plus((findings.radius * cos(a), findings.radius * sin(a), 0.0)) for a in turns]
-    picture = path(frame.image, frame, ring, WHITE)
+    (below,) = pixels_of(frame, [frame.position._replace(z=ground)])
+    reach = findings.radius * frame.intrinsics.fx / max(0.1, frame.position.z - ground)
+    picture = circle(frame.image, below, reach, WHITE)
     for thing in findings.in_view:
         is_new = thing.is_found and not thing.is_known
         color = GREEN if is_new else BLUE

@@ -46,17 +46,17 @@ class TagWatch:
         self._time = flight.now
         """Capture time of the last picture that counted, seconds."""
 
-    def look(self, flight: Flight, is_near: Callable[[Place], bool]) -> list[Sighting]:
-        """Look through the newest frame, if it is a new one; what was sighted in it.
+    def look(self, flight: Flight, is_near: Callable[[Place], bool]) -> list[Sighting] | None:
+        """Look through the newest frame; what was sighted in it, or None if it is no new one.
 
         Annotated pictures have a green circle about what ``is_near`` to where it is wanted.
         """
         frame = self._camera.latest()
         if frame is None or frame.sequence == self._sequence:
-            return []
+            return None
         self._sequence = frame.sequence
         if self._most_tilt is not None and tilt_of(flight.observation.attitude) > self._most_tilt:
-            return []
+            return None
         self._time = frame.time
         sighted = self._tracks.update(frame, self._finder.find(frame, _ground_below(flight)))
         flight.picture(self._name, lambda: self._drawn(frame, is_near))

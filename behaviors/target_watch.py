@@ -7,6 +7,7 @@ from math import atan2, cos, inf, sin
 from typing import Any
 
 from behaviors.flight import Flight
+from behaviors.guidance import STILL
 from behaviors.perception.annotations import BLUE, GREEN, circle, marker, rejected, text_line
 from behaviors.perception.projection import pixels_of, tilt_of
 from behaviors.perception.target_filter import TargetFilter
@@ -19,6 +20,10 @@ _HEADING_SHARE = 0.25
 """Share of a new heading in the mean."""
 _NEWEST = 0.3
 """Seconds for which a sighting counts as the present."""
+_SETTLING = 0.5
+"""Time constant of the mean acceleration, seconds."""
+_MOST_ACCELERATION = 4.0
+"""Along each axis, m/s²."""
 _MARK = 6.0
 """Radius of the circle that shows where it is expected, pixels."""
 
@@ -49,6 +54,8 @@ class TargetWatch:
         """What it shows."""
         self.sighting: Sighting | None = None
         """The target in it; None where it is not seen."""
+        self.acceleration = STILL
+        """Of the target, mean of the last half second in which it was seen, m/s²."""
         self._turned: tuple[float, float] | None = None
         """Cosine and sine of the heading, averaged."""
 
@@ -77,11 +84,23 @@ class TargetWatch:
         number = track.nearest([(each.position, each.covariance) for each in sightings], time)
         # Where none fits, the largest may be the target that has gone elsewhere.
         best = sightings[number or 0]
+        before, then = track.velocity, track.time
         if not track.update(best.position, best.covariance, time):
             return None
+        if then is not None and time > then:
+            self._accelerate(track.velocity.minus(before), time - then)
         if best.heading is not None:
             self._turn(best.heading)
         return best
+
+    def _accelerate(self, change: Point, dt: float) -> None:
+        """Take a change of the velocity, m/s, into the mean acceleration."""
+        share = min(1.0, dt / _SETTLING)
+        told = (
+            max(-_MOST_ACCELERATION, min(_MOST_ACCELERATION, old + share * (new / dt - old)))
+            for old, new in zip(self.acceleration, change, strict=True)
+        )
+        self.acceleration = Point(*told)
 
     def _turn(self, heading: float) -> None:
         c, s = cos(heading), sin(heading)

@@ -9,7 +9,7 @@ that. Unlike :class:`behaviors.guidance.Reference`, which smooths by waiting, it
 
 from __future__ import annotations
 
-from math import copysign, hypot, sqrt
+from math import copysign, cos, hypot, sin, sqrt
 from typing import NamedTuple
 
 from behaviors.guidance import BRAKING, MAX_LEAD, STILL
@@ -24,12 +24,12 @@ STIFFNESS = 6.0
 """From an error of the velocity to an acceleration, 1/s."""
 JERK = 15.0
 """Largest change of the acceleration, m/s³: a vehicle must tilt first."""
+BACKWARDS = 2.1
+"""Largest acceleration against the nose, m/s²: a nose that is raised farther, by 12° and what the
+vehicle overshoots, loses sight of what is ahead.
+"""
 CLIMB_ACCELERATION = 1.5
 """Largest acceleration upwards or downwards, m/s²."""
-_TILT_SHARE = 1.2
-"""Acceleration as a share of that of paths, which leaves a quarter of the tilt for errors: here the
-errors are what it is for.
-"""
 _YAW_GAIN = 4.0
 """From an error of the yaw to a rate, 1/s."""
 _YAW_ACCELERATION = 6.0
@@ -58,7 +58,7 @@ class TrackingReference:
     def __init__(self, seen: Observation, limits: Limits, speed: float) -> None:
         """``speed``: over the ground, m/s, at most."""
         agility = Agility.of(limits)
-        self._agility = _TILT_SHARE * agility.acceleration
+        self._agility = agility.acceleration
         self._speed = min(speed, agility.speed)
         self._climb = min(speed, agility.climb)
         self._turn = _YAW_SHARE * limits.max_yaw_rate if limits.max_yaw_rate else _YAW_RATE
@@ -75,18 +75,28 @@ class TrackingReference:
         vx, vy = self._level_velocity(aim, gap)
         vz = _bound(aim.velocity.z + _closing(gap.z, CLIMB_ACCELERATION), self._climb)
         ax, ay, az = self.acceleration
+        # Bounded by itself first, so that the error of the velocity wins whatever is told.
+        told = _short(aim.acceleration.x, aim.acceleration.y, self._agility)
         wanted = _short(
-            aim.acceleration.x + (vx - self.velocity.x) * STIFFNESS,
-            aim.acceleration.y + (vy - self.velocity.y) * STIFFNESS,
+            told[0] + (vx - self.velocity.x) * STIFFNESS,
+            told[1] + (vy - self.velocity.y) * STIFFNESS,
             self._agility,
         )
-        up = _bound(aim.acceleration.z + (vz - self.velocity.z) * STIFFNESS, CLIMB_ACCELERATION)
+        wanted = self._keeping_sight(*wanted)
+        rising = _bound(aim.acceleration.z, CLIMB_ACCELERATION)
+        up = _bound(rising + (vz - self.velocity.z) * STIFFNESS, CLIMB_ACCELERATION)
         most = JERK * dt
         dx, dy = _short(wanted[0] - ax, wanted[1] - ay, most)
         self.acceleration = Point(ax + dx, ay + dy, az + _bound(up - az, most))
         self.velocity = self.velocity.plus(_times(self.acceleration, dt))
         self.place = self.place.plus(_times(self.velocity, dt))
         self._turn_to(aim, dt)
+
+    def _keeping_sight(self, x: float, y: float) -> tuple[float, float]:
+        """An acceleration, backwards no more than BACKWARDS."""
+        east, north = cos(self.yaw), sin(self.yaw)
+        short = max(0.0, -BACKWARDS - (x * east + y * north))
+        return x + short * east, y + short * north
 
     def _level_velocity(self, aim: Aim, gap: Point) -> tuple[float, float]:
         far = hypot(gap.x, gap.y)

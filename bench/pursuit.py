@@ -52,6 +52,8 @@ RMSE = 0.15
 IN_VIEW = 0.995
 """Goal."""
 NEAR = 4.0
+MIDDLE = 0.06
+"""Height of the mouse's middle over its place, metres."""
 GREY = 128
 REFERENCE = Path(__file__).parent / "reference_cat.yaml"
 CAT = """\
@@ -230,6 +232,7 @@ def _in_view(watch: Watch, first: float, end: float) -> float:
     for frame in watch.cat.frames:
         if first <= frame.time < end:
             place = [np.interp(frame.time, times, track[:, axis]) for axis in range(3)]
+            place[2] += MIDDLE
             inside.append(bool(is_inside(frame, pixels_of(frame, [place]))[0]))
     return sum(inside) / len(inside) if inside else 0.0
 

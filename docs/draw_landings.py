@@ -28,7 +28,7 @@ WIDTH, HEIGHT = 240, 180
 MOMENTS: Mapping[str, Sequence[float]] = {
     "track_object": (1.8, 6.6, 12.0, 30.0),
     "land_on_pad": (7.4, 9.0, 10.6, 11.6),
-    "land_on_moving_pad": (9.2, 10.4, 12.5, 14.2),
+    "land_on_moving_pad": (6.6, 8.0, 9.2, 10.3),
 }
 """Seconds of the flights."""
 

@@ -7,7 +7,7 @@ the disc, so that distance and bar are measured on the disc, however obliquely i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import atan2, hypot, pi, sqrt
 
@@ -74,36 +74,39 @@ def roundels(image: Pixels) -> list[Roundel]:
     low, high, _, _ = cv2.minMaxLoc(grey)
     found: list[Roundel] = []
     for share in _LEVELS:
-        for seen in _at_level(grey, low + share * (high - low)):
-            if all(hypot(seen.x - r.x, seen.y - r.y) > r.diameter / 2 for r in found):
+        rings, bars = _outlines(grey, low + share * (high - low))
+        for outline, hole in rings:
+            x, y = outline.mean(0).tolist()
+            if any(hypot(x - other.x, y - other.y) < other.diameter / 2 for other in found):
+                continue
+            disc = _disc_of(outline, hole)
+            seen = disc.with_line(bars) if disc else None
+            if seen is not None:
                 found.append(seen)
     return sorted(found, key=lambda seen: -seen.diameter)
 
 
-def _at_level(grey: Pixels, level: float) -> Iterator[Roundel]:
-    """The roundels in what is darker than a level."""
+def _outlines(grey: Pixels, level: float) -> tuple[list[tuple[Int32s, Int32s]], list[Int32s]]:
+    """The outlines (n, 2) in what is darker than a level: those with a hole, each with that of its
+    largest hole, and those without.
+    """
     _, dark = cv2.threshold(grey, level, 255, cv2.THRESH_BINARY_INV)
-    found, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    if not found:
-        return
+    outlines, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    if not outlines:
+        return [], []
     parents = np.asarray(hierarchy, np.int32).reshape(-1, 4)[:, 3].tolist()
     # Noise makes many outlines, all short.
     long = {
         k: np.asarray(outline, np.int32).reshape(-1, 2)
-        for k, outline in enumerate(found)
+        for k, outline in enumerate(outlines)
         if len(outline) >= _SHORTEST
     }
     holes: dict[int, list[Int32s]] = {}
     for k, outline in long.items():
         if parents[k] in long:
             holes.setdefault(parents[k], []).append(outline)
-    bars = [long[k] for k in long if parents[k] < 0 and k not in holes]
-    for k, inside in holes.items():
-        disc = _disc_of(long[k], max(inside, key=cv2.contourArea))
-        places = (disc.place_of_line(bar) for bar in bars) if disc else ()
-        line = next((place for place in places if place is not None), None)
-        if disc is not None and line is not None:
-            yield disc.roundel(line)
+    rings = [(long[k], max(inside, key=cv2.contourArea)) for k, inside in holes.items()]
+    return rings, [long[k] for k in long if parents[k] < 0 and k not in holes]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,13 +116,23 @@ class _Disc:
     centre: Float64s
     to_image: Float64s
     """From the disc to the image, but for a turn of the disc, (2, 2)."""
+    from_image: Float64s
+    """Its inverse."""
     diameter: float
 
     def on_disc(self, pixels: Int32s | Float64s) -> Float64s:
         """Pixels in radii of the disc."""
-        return np.asarray((pixels - self.centre) @ np.linalg.inv(self.to_image).T, np.float64)
+        return np.asarray((pixels - self.centre) @ self.from_image.T, np.float64)
 
-    def place_of_line(self, outline: Int32s) -> Float64s | None:
+    def with_line(self, bars: Iterable[Int32s]) -> Roundel | None:
+        """The roundel of this disc, if one of the bars is its line."""
+        for bar in bars:
+            line = self._place_of_line(bar)
+            if line is not None:
+                return self._roundel(line)
+        return None
+
+    def _place_of_line(self, outline: Int32s) -> Float64s | None:
         """The point of a bar that is nearest to the centre, radii; None if it is not the line.
 
         That is the foot of a perpendicular, so that it is right also where the bar is cut by the
@@ -140,7 +153,7 @@ class _Disc:
         )
         return across * away if fits else None
 
-    def roundel(self, line: Float64s) -> Roundel:
+    def _roundel(self, line: Float64s) -> Roundel:
         right = line / np.hypot(*line)
         ahead = np.array([right[1], -right[0]])
         (x, y), (u, v), (p, q) = self.centre, self.to_image @ right, self.to_image @ ahead
@@ -163,6 +176,7 @@ def _disc_of(outline: Int32s, hole: Int32s) -> _Disc | None:
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     # The outline runs through the middle of the outermost pixels: it is half a pixel too near.
     sides = np.array(axes) + 1
-    disc = _Disc(np.array([x, y]), turned * sides / 2, float(sides.max()))
+    to_image = turned * sides / 2
+    disc = _Disc(np.array([x, y]), to_image, np.linalg.inv(to_image), float(sides.max()))
     off = disc.on_disc(hole.mean(0))
     return disc if float(np.hypot(*off)) < 0.25 else None

@@ -186,3 +186,18 @@ def test_a_speck_is_one_place() -> None:
     lanes = lanes_over([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], [], Footprint(5.0, 2.5), 2.0)
     assert len(lanes.places) == 1 and degrees(lanes.axis) < 180
     assert lanes.length == 0.0
+
+
+RAGGED = [
+    (-20.4, 17.9), (-8, 6), (-22, -2), (-9, -4), (-18, -21), (-1, -9), (6, -22), (8, -3), (21, -9),
+    (12, 4), (23, 17), (4, 9), (-2, 22), (-4, 8),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("axis", [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+def test_a_strip_that_is_forked_or_hollow_is_seen_whole(axis: float) -> None:
+    area = Polygon(RAGGED)
+    assert area.is_valid
+    lanes = lanes_over(RAGGED, [], Footprint(5.0, 2.0), 2.0, None, axis)
+    assert seen(lanes, area, 5.0, 2.0) > 0.995
+    assert outside(lanes, area) < 1e-6
