@@ -238,7 +238,7 @@ class FollowRoad(Behavior):
 
     def _trace_on(self, line: LineReference) -> None:
         traced: CentreLine = self.sight.trace(line.settled, into_gap=self.since_end > PAUSE)
-        if traced.has_edges:
+        if traced.has_edges or traced.ending == "end" or not traced.nodes[0].is_road:
             self.edged_at = line.way
         is_bare = line.way > self.edged_at + BARE * self.sight.width
         self.ending = "none" if is_bare else traced.ending
