@@ -301,22 +301,25 @@ def _lines(
         first = last = (extent[0] + extent[1]) / 2
     middle = (strip[0] + strip[1]) / 2
 
-    def off(y: float) -> float:
-        return abs(y - middle)
+    def nearest(pieces: list[XY]) -> float:
+        """The place in any of the pieces that is nearest to the middle."""
+        return min((_towards(middle, *each) for each in pieces), key=lambda y: abs(y - middle))
 
     west, _, east, _ = part.bounds
     centre = part.intersection(LineString([(west - 1, middle), (east + 1, middle)]))
     line: list[XY] = []
-    is_forked, here = False, first
+    is_forked, over = False, -inf
     for begin, end in [*sorted(_intervals(centre)), (inf, inf)]:
-        for x in _stations(here, min(begin, last), ahead):
-            pieces = _pieces(part, x)
-            is_forked = is_forked or len(pieces) > 1
-            line.append((x, min((_towards(middle, *piece) for piece in pieces), key=off)))
-        begin, end = max(begin, first), min(end, last)
-        if begin <= end:
-            line += [(begin, middle), (end, middle)]
-        here = max(here, end)
+        for x in _stations(max(over, first), min(begin, last), ahead):
+            if over + _SMALL < x < begin - _SMALL:  # else it is an end of a piece of the middle
+                pieces = _pieces(part, x)
+                is_forked = is_forked or len(pieces) > 1
+                line.append((x, nearest(pieces)))
+        if max(begin, first) <= min(end, last):
+            line += [(max(begin, first), middle), (min(end, last), middle)]
+        over = max(over, end)
+    if not line:
+        line.append((first, nearest(_pieces(part, first))))
     most = _MISSED * footprint.across**2
     if is_forked and splits and _missed(part, extent, line, footprint) > most:
         return _halves(part, strip, footprint, splits - 1)

@@ -273,7 +273,7 @@ def people(kind: str = "person") -> Detector:
         trunks = [
             trunk
             for trunk in blobs(np.asarray(vivid, np.uint8), _LEAST_PIXELS)
-            if _is_trunk(trunk, frame, ground)
+            if not touches_edge(trunk, skin) and _is_trunk(trunk, frame, ground)
         ]
         pairs = ((head, _trunk_of(head, trunks, frame, ground)) for head in heads)
         return [_person(kind, head, trunk, vivid, frame, ground) for head, trunk in pairs if trunk]

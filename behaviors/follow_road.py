@@ -42,7 +42,7 @@ BARE = 3.0
 FURTHER = 1.0
 """Metres after which a new search has its time anew."""
 PAUSE = 0.8
-"""Seconds at the end of what is known after which it flies on over a gap that it cannot see over."""
+"""Seconds at the end of what is known before it flies into a gap that it cannot see over."""
 UNSURE = 2.0
 """Seconds at the end of what is known after which it searches."""
 
@@ -238,7 +238,7 @@ class FollowRoad(Behavior):
 
     def _trace_on(self, line: LineReference) -> None:
         traced: CentreLine = self.sight.trace(line.settled, into_gap=self.since_end > PAUSE)
-        if traced.has_edges:
+        if traced.has_edges or traced.ending == "end" or not traced.nodes[0].is_road:
             self.edged_at = line.way
         is_bare = line.way > self.edged_at + BARE * self.sight.width
         self.ending = "none" if is_bare else traced.ending

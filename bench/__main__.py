@@ -8,7 +8,7 @@ import sys
 BENCHMARKS = (
     "first_flight", "startup", "hold", "gotos", "latency", "engine", "conformance", "safety",
     "soundness", "worlds", "cameras", "flight", "fleets", "paths", "tag_programs", "followers",
-    "landings", "perception",
+    "landings", "perception", "sweeps", "roads", "pursuit", "vision_missions",
 )  # fmt: skip
 
 for name in BENCHMARKS:

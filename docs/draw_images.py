@@ -20,6 +20,7 @@ from docs.draw_landings import draw_landings
 from docs.draw_pictures import draw_pictures
 from docs.draw_pursuit import draw_pursuit
 from docs.draw_responses import draw_responses
+from docs.draw_roads import draw_roads
 from docs.draw_sweep import draw_sweep
 from docs.draw_tags import draw_tags
 from fsm import parse_parameters
@@ -107,6 +108,7 @@ def main() -> None:
     draw_sweep(IMAGES / "vision" / "sweep_detect.jpg")
     draw_landings()
     draw_pictures()
+    draw_roads()
     draw_pursuit(IMAGES / "vision" / "pursue.jpg")
     prepared = prepare(missions.find("first_flight"))
     plan = Plan.alone(prepared, parse_parameters(prepared.graph, {}))

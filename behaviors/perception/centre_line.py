@@ -258,10 +258,10 @@ class _Tracer:
         if not last.is_road:
             return self._cross(self._edge())
         far, seen = self._road_ahead(last)
-        if not seen:
-            return "open"
         x, y = along(last._replace(curvature=0.0), far)
         end = last._replace(x=x, y=y)
+        if not seen or not (self._into_gap or self._is_seen_about(end)):
+            return "open"
         if not self._is_on_road(end):
             return "none"
         if self._turn(end, _RINGS[0]):
@@ -310,6 +310,14 @@ class _Tracer:
         behind = np.array(end[:2]) - back * [cos(end.heading), sin(end.heading)]
         share, seen = self._ground.sample(behind)
         return bool(((share > 0.5) & seen).mean() > 0.5)
+
+    def _is_seen_about(self, end: Node) -> bool:
+        """Whether the ground ahead of a corner and beside it was seen, where ways may lead out."""
+        back, far = self._width / 2, _RINGS[0] * self._width
+        angles = end.heading + np.linspace(-pi / 2, pi / 2, 13)
+        corner = np.array(end[:2]) - back * np.array([cos(end.heading), sin(end.heading)])
+        ring = corner + far * np.stack([np.cos(angles), np.sin(angles)], 1)
+        return bool(self._ground.sample(ring)[1].all())
 
     def _turn(self, end: Node, ring: float) -> bool:
         """Go on by a way that leaves the road half a width before its end, where it is so many

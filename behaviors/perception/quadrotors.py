@@ -42,6 +42,10 @@ _SHARE_ERROR = 0.03
 """Standard deviation of a measured share."""
 _ANY_HEADING = 0.02
 """Weight of a heading that does not fit at all: what is not a share of a hull tells nothing."""
+_HALF_SEEN = 0.5
+"""Standard deviation of a range, as a share of it, where no hull is below the bar: far away it may
+be the hull that is seen, and the bar that is not.
+"""
 _ROUND = 0.8
 """Height over width from which on a thing is taken for a ball."""
 _PIXEL = 1.0
@@ -52,7 +56,7 @@ _BAR = 0.75
 """Rows that are filled over more than this share of the width are of the bar."""
 _BELOW = 0.07
 """Rows below the bar in which the hull is looked for, as a share of its width."""
-_CLOSED = np.ones((3, 3), np.uint8)
+_CLOSED = np.ones((3, 5), np.uint8)
 """Gaps that are closed in a mask: far away the bar is thinner than a pixel."""
 
 
@@ -178,4 +182,5 @@ def _range(share: float, half: float, size: float) -> tuple[float, float]:
     weights = np.exp(-0.5 * ((_SHARES - share) / _SHARE_ERROR) ** 2) + _ANY_HEADING
     weights /= weights.sum()
     mean = float(weights @ ranges)
-    return mean, sqrt(max(0.0, float(weights @ (ranges - mean) ** 2)))
+    doubt = 0.0 if share > 0 else _HALF_SEEN * mean
+    return mean, sqrt(max(0.0, float(weights @ (ranges - mean) ** 2)) + doubt**2)

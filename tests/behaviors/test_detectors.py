@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from math import dist, pi
+from math import cos, dist, pi, sin
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -101,6 +101,13 @@ def assert_true(found: list[tuple[str, tuple[float, float]]], within: float) -> 
 )
 def test_each_thing_is_seen_where_it_is(at: Point, yaw: float, roll: float) -> None:
     assert_true(seen(frame_from(at, yaw=yaw, roll=roll)), 0.15)
+
+
+@pytest.mark.parametrize("aside", [2.2, 2.35, 2.5, 2.65])
+def test_somebody_cut_by_the_edge_is_nowhere_else(aside: float) -> None:
+    """The trunk of who lies at the origin leaves the picture at its lower edge."""
+    found = seen(frame_from(Point(aside * cos(0.35), aside * sin(0.35), 6), yaw=0.35), ["people"])
+    assert all(dist(place, (0.0, 0.0)) < 0.3 for _, place in found if dist(place, (0, 0)) < 1.2)
 
 
 def noisy(image: Pixels) -> Pixels:

@@ -36,7 +36,7 @@ VALUES: Mapping[str, Mapping[str, Any]] = {
         "detect": ["people", {"color": {"color": "red", "size": 0.5}}, "fiducials"],
     },
     "track_object": {"target": {"color": "red", "size": 0.5}},
-    "watch_cars": {},
+    "watch_traffic": {},
 }
 """Parameters of the behaviours that look through a camera."""
 LOOKING = sorted(

@@ -108,7 +108,7 @@ def test_behaviours_also_of_a_file_which_is_not_run(
 ) -> None:
     assert [*complete("behaviors r")] == ["reset", "return_home", "route"]
     write("mine.py", OWN + "raise SystemExit\n")
-    assert [*complete("behaviors --uses mine.py w")] == ["wiggle"]
+    assert [*complete("behaviors --uses mine.py wi")] == ["wiggle"]
     assert "goto" in complete("behaviors --uses mine.py ")
     assert "goto" in complete("behaviors --uses gone.py ")
 
