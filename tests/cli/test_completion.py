@@ -154,8 +154,8 @@ LINES = {
     "drone-cli run first_flight -p si\t3m": ["run", "first_flight", "-p", "side=3m"],
     "drone-cli run first_flight --world fo\t3": ["run", "first_flight", "--world", "forest:3"],
     "drone-cli run first_flight --world=fo\t3": ["run", "first_flight", "--world=forest:3"],
-    "drone-cli check missions/o\t --wor\troad_\t": [
-        *("check", "missions/of_my_own.yaml", "--world", "road_town")
+    "drone-cli check missions/o\t --wor\tslal\t": [
+        *("check", "missions/of_my_own.yaml", "--world", "slalom")
     ],
     "drone-cli check mis\tof\t": ["check", "missions/of_my_own.yaml"],
     "drone-cli behaviors --uses wig\twig\t": ["behaviors", "--uses", "wiggle.py", "wiggle"],
