@@ -35,7 +35,15 @@ def test_json_has_the_same() -> None:
     for name in ENGINES:
         assert found["engines"][name]["works"] and found["engines"][name]["version"]
     assert found["renderers"]["raster"] == {"works": True, "version": "", "reason": "", "hint": ""}
-    needed = {"click", "numpy", "opencv-python-headless", "pillow", "pymavlink", "pyyaml"}
+    needed = {
+        "click",
+        "numpy",
+        "opencv-python-headless",
+        "pillow",
+        "pymavlink",
+        "pyyaml",
+        "shapely",
+    }
     assert {name.lower() for name in found["packages"]} == needed | {"rich", "transitions"}
     assert found["packages"]["click"] == version("click")
 
