@@ -403,15 +403,13 @@ def _finish(summary: Summary, recorder: Recorder, how: _Shown) -> int:
 
 
 def _keep_findings(folder: Path, files: list[str]) -> bool:
-    """Write what the run has found; True when the disk had no room for it."""
+    """Write what the run has found, and add it to ``files``; True when the disk had no room."""
     from runner.findings import write_findings
 
-    try:
-        files += [f"findings: {file}" for file in write_findings(folder)]
-    except UserError as error:
-        click.echo(f"no findings: {error}", err=True)
-        return True
-    return False
+    def make() -> None:
+        files.extend(f"findings: {file}" for file in write_findings(folder))
+
+    return _is_without_room(make, "findings", f"drone-cli findings {folder}")
 
 
 def _summarized(recorder: Recorder, summary: Summary) -> Summary:

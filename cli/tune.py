@@ -79,13 +79,16 @@ def color(
     """
     from behaviors.perception import range_of  # late: only this needs OpenCV
 
-    if (at is None) == (box is None):
+    if at is not None and box is None:
+        chosen = _around(at)
+    elif box is not None and at is None:
+        chosen = _between(box)
+    else:
         raise UserError("bad-usage", "say where the colour is: --at x,y or --box x1,y1,x2,y2")
     if output is not None and output.suffix.lower() not in _ENDINGS:
         hint = f"-o {output.with_suffix('.png')}"
         raise UserError("bad-usage", f"'{output}' does not end in .png or .jpg", hint=hint)
     image = _read(picture)
-    chosen = _around(at) if at is not None else _between(box or (0, 0, 0, 0))
     try:
         ranges = [range_of(image, chosen, space) for space in ("hsv", "rgb")]
     except ValueError as error:
@@ -93,8 +96,7 @@ def color(
     for found in ranges:
         low, high = list(found.low), list(found.high)
         click.echo(f"color: {{{found.space}: [{low}, {high}]}}  # {_share(image, found)}")
-    name, named = _name_of(image, chosen)
-    if named is not None:
+    for name, named in _names_of(image, chosen)[:1]:
         click.echo(f"color: {name}  # {_share(image, named)}")
     if output is not None:
         _write_mask(output, image, ranges[0])
@@ -132,21 +134,20 @@ def _read(picture: Path) -> Pixels:
 def _share(image: Pixels, found: ColorRange) -> str:
     from behaviors.perception import mask
 
-    return f"{(mask(image, found) > 0).mean():.2%} of the picture".replace("%", " %", 1)
+    return f"{100 * (mask(image, found) > 0).mean():.2f} % of the picture"
 
 
-def _name_of(image: Pixels, box: Box) -> tuple[str, ColorRange | None]:
-    """Of the named colours that most of a box has, the one nearest to its mean; None for none."""
+def _names_of(image: Pixels, box: Box) -> list[tuple[str, ColorRange]]:
+    """The named colours that most of a box has, the one nearest to its mean first."""
     from behaviors.perception import mask, read_color
     from worlds.colors import COLORS
 
     left, top, right, bottom = box
     part = image[max(0, top) : bottom, max(0, left) : right]
     mean = part.reshape(-1, 3).mean(0)[::-1].tolist()
-    for name in sorted(COLORS, key=lambda each: dist(mean, COLORS[each])):
-        if (mask(part, read_color(name)) > 0).mean() >= _NAMED:
-            return name, read_color(name)
-    return "", None
+    nearest = sorted(COLORS, key=lambda each: dist(mean, COLORS[each]))
+    found = [(name, read_color(name)) for name in nearest]
+    return [(name, each) for name, each in found if (mask(part, each) > 0).mean() >= _NAMED]
 
 
 def _write_mask(file: Path, image: Pixels, found: ColorRange) -> None:

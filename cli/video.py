@@ -14,8 +14,6 @@ from vencejo.errors import UserError, Where, nearest
 if TYPE_CHECKING:
     from runner.video import Reel
 
-ENDINGS = (".webm",)
-
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
@@ -42,7 +40,7 @@ def video(
         raise UserError(
             "bad-usage", "--camera and --picture are of two videos: give one", hint=hint
         )
-    if output is not None and output.suffix not in ENDINGS:
+    if output is not None and output.suffix != ".webm":
         message = f"'{output}' does not end in .webm, the one format of videos"
         raise UserError("bad-usage", message, hint=f"-o {output.with_suffix('.webm')}")
     for file in videos(folder, (vehicle, camera, picture), output):

@@ -73,18 +73,8 @@ class FakeVehicle(BaseVehicle):
         self.shown: list[Lights] = []
         """All patterns that its lamps were ordered to show."""
         self.capabilities = frozenset(
-            {
-                "position",
-                "velocity",
-                "attitude",
-                "yaw",
-                "arm",
-                "disarm",
-                "takeoff",
-                "land",
-                "land.moving",
-            }
-            | {"return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
+            {"position", "velocity", "attitude", "yaw", "arm", "disarm", "takeoff", "land"}
+            | {"land.moving", "return_home", "emergency_stop", "reset", "trim", "lights", "limits"}
             | {"battery", "battery.swap"}
         )
         self.position = at
@@ -279,10 +269,10 @@ class FakeVehicle(BaseVehicle):
         self._limits = wanted
         return ACCEPTED
 
-    # Time.
-
     def camera(self, name: str) -> Camera:
         return self.cameras[name] if name in self.cameras else super().camera(name)
+
+    # Time.
 
     def advance(self, now: float, step: float = PERIOD) -> None:
         """Simulate the mission period of ``step`` seconds that ends at ``now``."""

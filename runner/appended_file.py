@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, is_dataclass
 from enum import Enum
@@ -60,4 +60,22 @@ class AppendedFile:
 
     def close(self) -> None:
         with self._writing():
+            self._file.close()
+
+
+class JsonLines:
+    """A file of one JSON object a line below a first one, which is there from the first line on."""
+
+    def __init__(self, path: Path, header: Mapping[str, Any], hint: str = _HINT) -> None:
+        self._path, self._header, self._hint = path, header, hint
+        self._file: AppendedFile | None = None
+
+    def append(self, line: Mapping[str, Any]) -> None:
+        if self._file is None:
+            self._file = AppendedFile(self._path, self._hint)
+            self._file.append([encode(self._header)])
+        self._file.append([encode(line)])
+
+    def close(self) -> None:
+        if self._file is not None:
             self._file.close()

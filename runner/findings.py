@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from runner.appended_file import writing
 from runner.run_folder import (
     EVENTS,
     FINDINGS_CSV,
@@ -24,7 +23,7 @@ from runner.run_folder import (
     photo_file,
     read_run,
 )
-from vencejo.errors import UserError
+from vencejo.errors import UserError, Where, cannot_write
 from vencejo.files import write_whole
 from vencejo.geometry import Point, lat_lon_of
 from worlds import find_world
@@ -60,50 +59,52 @@ def write_findings(folder: Path) -> list[Path]:
     """Write the findings of a run into its folder, also of one that was killed; the files.
 
     None are written where nothing was found. Raises UserError as :func:`runner.read_run` does, and
-    ``cannot-record``.
+    ``cannot-write``.
     """
-    if EVENT.encode() not in _bytes(folder / EVENTS):
-        return []
-    found = findings_of(read_run(folder))
+    found = findings_of(read_run(folder)) if _may_have_found(folder / EVENTS) else []
     if not found:
         return []
     texts = {FINDINGS_GEOJSON: as_geojson(found), FINDINGS_CSV: as_csv(found)}
     for name, text in texts.items():
-        with writing(folder / name):
+        try:
             write_whole(folder / name, text.encode())
+        except OSError as error:
+            message = "the findings cannot be written"
+            raise cannot_write(error, "cannot-write", message, Where(str(folder / name))) from None
     return [folder / name for name in texts]
 
 
-def _bytes(path: Path) -> bytes:
-    """The content of a file; nothing where it cannot be read, which :func:`read_run` tells."""
+def _may_have_found(events: Path) -> bool:
+    """Whether a log may tell of findings, without reading it line by line; also where it cannot be
+    read, which :func:`runner.read_run` explains.
+    """
     try:
-        return path.read_bytes()
+        return EVENT.encode() in events.read_bytes()
     except OSError:
-        return EVENT.encode()
+        return True
 
 
 def findings_of(run: Run) -> list[Finding]:
     """What a run has found, in the order in which it did."""
     origin = _origin(run)
-    found: dict[tuple[str, str], Finding] = {}
-    done: list[Finding] = []
+    found: list[Finding] = []
+    # By vehicle and id: a second behaviour of one flight counts from the beginning again.
+    latest: dict[tuple[str, str], int] = {}
     photos: dict[tuple[str, str], int] = {}
     for entry in _told(run):
         told, key = entry.fields["fields"], (entry.vehicle, entry.fields["fields"]["id"])
         if told["status"] == "new":
-            # A second behaviour of one flight counts from the beginning again.
-            if key in found:
-                done.append(found.pop(key))
-            found[key] = _finding(run, entry, origin, photos)
-        elif key in found:
+            latest[key] = len(found)
+            found.append(_finding(run, entry, origin, photos))
+        elif key in latest:
             place = _world_place(run, entry)
-            found[key] = replace(
-                found[key],
+            found[latest[key]] = replace(
+                found[latest[key]],
                 status=told["status"],
                 position=place,
                 geographic=_geographic(place, origin),
             )
-    return sorted([*done, *found.values()], key=lambda finding: finding.time)
+    return found
 
 
 def _told(run: Run) -> Iterator[LogEntry]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from behaviors.channel import Draw
 from hal.vehicle import Frame, Intrinsics
-from runner.appended_file import AppendedFile, encode, writing
+from runner.appended_file import JsonLines, writing
 from runner.run_folder import (
     FRAMES,
     PICTURES,
@@ -66,7 +66,7 @@ class FrameFiles:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._lines = _Lines(folder / FRAMES, frames_header())
+        self._lines = JsonLines(folder / FRAMES, frames_header(), _HINT)
         self._last: dict[tuple[str, str], tuple[int, Intrinsics]] = {}
         """Sequence number and intrinsics of the last frame written, by vehicle and camera."""
 
@@ -91,7 +91,7 @@ class PictureFiles:
     def __init__(self, folder: Path, rate: float) -> None:
         """``rate``: the most pictures of a name that are kept in a second."""
         self._folder = folder
-        self._lines = _Lines(folder / PICTURES, pictures_header())
+        self._lines = JsonLines(folder / PICTURES, pictures_header(), _HINT)
         self._step = 1.0 / rate
         self._drawn: dict[tuple[str, str], tuple[int, float]] = {}
         """Number and time of the last picture, by vehicle and name."""
@@ -120,22 +120,3 @@ class PictureFiles:
 
     def close(self) -> None:
         self._lines.close()
-
-
-class _Lines:
-    """A file of JSON lines about pictures, which is there from the first picture on."""
-
-    def __init__(self, path: Path, header: Mapping[str, Any]) -> None:
-        self._path = path
-        self._header = header
-        self._file: AppendedFile | None = None
-
-    def append(self, line: Mapping[str, Any]) -> None:
-        if self._file is None:
-            self._file = AppendedFile(self._path, _HINT)
-            self._file.append([encode(self._header)])
-        self._file.append([encode(line)])
-
-    def close(self) -> None:
-        if self._file is not None:
-            self._file.close()

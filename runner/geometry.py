@@ -84,8 +84,8 @@ def check_geometry(
     behaviours. The work is bounded, whatever the mission and its world.
     """
     obstacles = Obstacles(world)
-    setting = _setting(graph, world, obstacles, terms, start or world.starts[0])
-    paths = possible_paths(graph, parameters or {}, replace(setting, calls=calls or Calls()))
+    setting = _setting(graph, world, obstacles, terms, start, calls)
+    paths = possible_paths(graph, parameters or {}, setting)
     view = _View(world, obstacles, setting.frame, terms, _may_refill(graph, world))
     most = MAX_COMPARED // (1 + len(obstacles))
     for leg in paths.legs[:most]:
@@ -116,15 +116,20 @@ def plan_of(
     start: Start | None = None,
 ) -> MissionPlan:
     """Where a mission may fly from a start; the parameters are those of :func:`check_geometry`."""
-    setting = _setting(graph, world, Obstacles(world), terms, start or world.starts[0])
-    setting = replace(setting, calls=calls or Calls())
+    setting = _setting(graph, world, Obstacles(world), terms, start, calls)
     return MissionPlan(setting.frame, possible_paths(graph, parameters or {}, setting))
 
 
 def _setting(
-    graph: Graph, world: World, obstacles: Obstacles, terms: Terms, start: Start
+    graph: Graph,
+    world: World,
+    obstacles: Obstacles,
+    terms: Terms,
+    start: Start | None,
+    calls: Calls | None,
 ) -> Setting:
-    """What the plans of a mission depend on, from a start in its world."""
+    """What the plans of a mission depend on, from a start; without one from the world's first."""
+    start = start or world.starts[0]
     origin = world.origin
     geographic = (origin.lat, origin.lon, origin.alt) if origin else None
     ground = partial(height_at, world.ground.terrain)
@@ -141,7 +146,8 @@ def _setting(
         ground_below,
         1 + len(obstacles) // 50,
         terms.model,
-        limits=terms.limits.over(terms.model.limits) if terms.model else terms.limits,
+        calls or Calls(),
+        terms.limits.over(terms.model.limits) if terms.model else terms.limits,
     )
 
 

@@ -601,14 +601,18 @@ def _rows(path: Path, missing: list[str]) -> list[tuple[str, Sample]]:
     return _each(path, lines[1:], partial(sample_of, columns=columns))
 
 
+def _below_header(path: Path, format_: str, version: int, missing: list[str]) -> list[bytes]:
+    """The lines of a file but the first; none where there is no file, since the flight had nothing
+    to write into it. Raises UserError for a first line of another format.
+    """
+    lines = _lines(path, missing) if path.exists() else []
+    if lines:
+        _known_format(path, lines[0], format_, version)
+    return lines[1:]
+
+
 def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
     path = folder / FRAMES
-    if not path.exists():
-        return []  # a flight that reads no pictures leaves no such file
-    lines = _lines(path, missing)
-    if not lines:
-        return []
-    _known_format(path, lines[0], FRAMES_FORMAT, FRAMES_VERSION)
     last: dict[tuple[str, str], Intrinsics] = {}
 
     def read(line: bytes) -> RecordedFrame:
@@ -631,7 +635,7 @@ def _frames(folder: Path, missing: list[str]) -> list[RecordedFrame]:
             intrinsics=last[vehicle, camera],
         )
 
-    frames = _each(path, lines[1:], read)
+    frames = _each(path, _below_header(path, FRAMES_FORMAT, FRAMES_VERSION, missing), read)
     _note_lost([frame.path for frame in frames], missing)
     return frames
 
@@ -644,37 +648,24 @@ def _note_lost(paths: Sequence[Path], missing: list[str]) -> None:
 
 def _pictures(folder: Path, missing: list[str]) -> list[RecordedPicture]:
     path = folder / PICTURES
-    if not path.exists():
-        return []  # a flight that shows no pictures leaves no such file
-    lines = _lines(path, missing)
-    if not lines:
-        return []
-    _known_format(path, lines[0], PICTURES_FORMAT, PICTURES_VERSION)
 
     def read(line: bytes) -> RecordedPicture:
         fields = _object(line)
         whose = fields["vehicle"], fields["name"], fields["number"]
         return RecordedPicture(folder / fields["file"], *whose, fields["t"])
 
-    pictures = _each(path, lines[1:], read)
+    pictures = _each(path, _below_header(path, PICTURES_FORMAT, PICTURES_VERSION, missing), read)
     _note_lost([picture.path for picture in pictures], missing)
     return pictures
 
 
 def _readings(path: Path, missing: list[str]) -> list[RecordedReading]:
-    if not path.exists():
-        return []  # a flight that reads no sensor leaves no such file
-    lines = _lines(path, missing)
-    if not lines:
-        return []
-    _known_format(path, lines[0], READINGS_FORMAT, READINGS_VERSION)
-
     def read(line: bytes) -> RecordedReading:
         fields = _object(line)
         values = {name: float(value) for name, value in fields["values"].items()}
         return RecordedReading(fields["vehicle"], fields["sensor"], Reading(fields["t"], values))
 
-    return _each(path, lines[1:], read)
+    return _each(path, _below_header(path, READINGS_FORMAT, READINGS_VERSION, missing), read)
 
 
 def _summary(path: Path, header: Header, missing: list[str]) -> Summary | None:

@@ -19,6 +19,7 @@ _SCALE = 2
 _COMPRESSION = 3
 """PNG's: 9 would take three times as long for a file smaller by a tenth."""
 Color = tuple[int, int, int]
+RED, DARK, WHITE = (214, 39, 40), (40, 40, 40), (255, 255, 255)
 XY = tuple[float, float]
 Anchor = Literal["lm", "mm", "rm", "lt", "mt", "mb"]
 """Where in a text its place is, in Pillow's letters: left, middle, right; top, middle, bottom."""
@@ -128,6 +129,15 @@ class Canvas:
 def text_width(text: str, size: int = 12) -> float:
     """The width of a text, pixels."""
     return _font(size).getlength(text)
+
+
+def fitted(text: str, width: float, size: int = 12) -> str:
+    """A text, or as much of its begin as there is room for in so many pixels."""
+    if text_width(text, size) <= width:
+        return text
+    while text and text_width(f"{text}…", size) > width:
+        text = text[:-1]
+    return f"{text}…"
 
 
 def _between(a: XY, b: XY, share: float) -> XY:

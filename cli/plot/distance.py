@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from cli.plot.axes import LABEL, axes_over
-from cli.plot.canvas import Box, Canvas, Color
+from cli.plot.canvas import RED, Box, Canvas, Color
 from runner.referee import LOST, Contest
 from runner.run_folder import Run
 from vencejo.geometry import distance
 
 _LINE: Color = (60, 60, 60)
 _NEAR: Color = (222, 240, 222)
-_RED: Color = (214, 39, 40)
 
 
 def draw_distance(canvas: Canvas, box: Box, run: Run, contest: Contest) -> None:
@@ -36,7 +35,7 @@ def draw_distance(canvas: Canvas, box: Box, run: Run, contest: Contest) -> None:
     ]
     for time in losses:
         x = axes.x.pixel(time)
-        canvas.line([(x, box.top), (x, box.bottom)], _RED, 1.4)
+        canvas.line([(x, box.top), (x, box.bottom)], RED, 1.4)
     axes.frame(canvas, f"distance of {pursuer} and {pursued}, m; near is up to {contest.near:g} m")
     axes.label_x(canvas)
     axes.label_y(canvas)

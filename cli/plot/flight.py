@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from cli.plot.axes import LABEL, axes_from_above, axes_over
-from cli.plot.canvas import XY, Box, Canvas, Color, text_width
+from cli.plot.canvas import RED, WHITE, XY, Box, Canvas, Color, fitted, text_width
 from cli.plot.distance import draw_distance
 from cli.plot.ground import draw_world, mark_start
 from cli.plot.lanes import Lane, lanes_of, states_of
@@ -52,7 +52,6 @@ _TOLD: Color = (90, 90, 90)
 _TOLD_NAME = "set-points"
 _TOLD_STEP = 3.0
 """Pixels between points of a set-points' line: dashes that short take long to draw."""
-_RED, _WHITE = (214, 39, 40), (255, 255, 255)
 
 
 @dataclass(frozen=True)
@@ -163,11 +162,11 @@ def _draw_title(canvas: Canvas, run: Run) -> None:
     canvas.text((_MAP.left, 22), title, 18)
     left = _MAP.left + text_width(title, 18) + 16
     if run.summary is None:
-        canvas.text((left, 23), "cut off", 14, _RED)
+        canvas.text((left, 23), "cut off", 14, RED)
         return
     vehicles = run.summary.vehicles
-    color = LABEL if all(each.outcome == "done" for each in vehicles.values()) else _RED
-    canvas.text((left, 23), _fitted(_ends(vehicles), _RIGHT - left), 14, color)
+    color = LABEL if all(each.outcome == "done" for each in vehicles.values()) else RED
+    canvas.text((left, 23), fitted(_ends(vehicles), _RIGHT - left, 14), 14, color)
 
 
 def _ends(vehicles: Mapping[str, Flown]) -> str:
@@ -179,15 +178,6 @@ def _ends(vehicles: Mapping[str, Flown]) -> str:
     if len(set(ends.values())) == 1:
         return next(iter(ends.values()))
     return ", ".join(f"{name}: {end}" for name, end in ends.items())
-
-
-def _fitted(text: str, width: float) -> str:
-    """A text, or as much of its begin as there is room for, in the size of the ends."""
-    if text_width(text, 14) <= width:
-        return text
-    while text and text_width(f"{text}…", 14) > width:
-        text = text[:-1]
-    return f"{text}…"
 
 
 def _legend_rows(names: Iterable[str]) -> list[list[tuple[float, str]]]:
@@ -225,7 +215,7 @@ def _draw_map(
         for sample, thing in flight.collisions:
             place = axes.place(*_from_above(sample))
             _mark_collision(canvas, place)
-            canvas.text((place[0] + 9, place[1] - 8), thing, 12, _RED)
+            canvas.text((place[0] + 9, place[1] - 8), thing, 12, RED)
     canvas.erase_outside(_MAP)
     axes.frame(canvas, "path from above, north up; metres")
     axes.label_x(canvas)
@@ -235,7 +225,7 @@ def _draw_map(
 def _mark_collision(canvas: Canvas, place: XY) -> None:
     x, y = place
     for turn in (1, -1):
-        canvas.line([(x - 5, y - 5 * turn), (x + 5, y + 5 * turn)], _RED, 2.5)
+        canvas.line([(x - 5, y - 5 * turn), (x + 5, y + 5 * turn)], RED, 2.5)
 
 
 def _from_above(sample: Sample) -> XY:
@@ -320,7 +310,7 @@ def _draw_figures(canvas: Canvas, flights: Sequence[Flight], colors: dict[str, C
                 canvas.dashes(_apart(axes.near(told, 0), _TOLD_STEP), _TOLD)
             for sample, _ in flight.collisions:
                 x = axes.x.pixel(sample.time)
-                canvas.line([(x, box.top), (x, box.bottom)], _RED, 1.2)
+                canvas.line([(x, box.top), (x, box.bottom)], RED, 1.2)
         axes.frame(canvas, title)
         axes.label_y(canvas, spacing)
 
@@ -338,7 +328,7 @@ def _draw_lanes(canvas: Canvas, flights: Sequence[Flight], colors: dict[str, Col
         for bar in lane:
             ends = axes.x.pixel(bar.begin), axes.x.pixel(bar.end)
             color = colors[bar.state if len(flights) == 1 else flight.vehicle]
-            canvas.rectangle(Box(ends[0], top, ends[1], top + _LANE), _light(color), _WHITE)
+            canvas.rectangle(Box(ends[0], top, ends[1], top + _LANE), _light(color), WHITE)
             name = _fitting(bar.state, ends[1] - ends[0] - 6)
             canvas.text((ends[0] + 4, top + _LANE / 2), name, 11)
     axes.frame(canvas, "states; time, s")

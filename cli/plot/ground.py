@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from cli.plot.axes import FRAME, LABEL, Axes
-from cli.plot.canvas import XY, Canvas, Color
+from cli.plot.canvas import DARK, XY, Canvas
 from worlds import World, outlines_of
 
-DARK: Color = (40, 40, 40)
 _THING, _THING_EDGE, _ROAD = (226, 226, 222), (150, 150, 145), (240, 240, 238)
 _FENCE = (214, 120, 120)
 

@@ -9,9 +9,9 @@ from math import dist, hypot, log10
 from typing import TypeVar
 
 from cli.plot.axes import LABEL, Axes, axes_from_above
-from cli.plot.canvas import XY, Box, Canvas, Color, text_width
+from cli.plot.canvas import DARK, RED, WHITE, XY, Box, Canvas, Color, fitted, text_width
 from cli.plot.flight import COLORS
-from cli.plot.ground import DARK, draw_fence, draw_world, mark_start
+from cli.plot.ground import draw_fence, draw_world, mark_start
 from cli.vehicle_colors import vehicle_colors
 from fsm import Graph
 from fsm.chart.graph import Node
@@ -28,13 +28,14 @@ _WIDTH = 1280
 _MAP = Box(58, 62, 858, 862)
 _LEFT, _RIGHT = 890, _WIDTH - 16
 """The column of the legend."""
+_ROOM = _RIGHT - _LEFT - 26
+"""The width of its texts, beside the swatches."""
 _LINE = 17
 """Height of a line of the legend."""
 _MANY = 19
 """Entries of the legend that have two lines; of more each has one."""
 _ARROW = 36.0
 """Pixels of a leg from which on it has an arrow."""
-_WHITE: Color = (255, 255, 255)
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,7 @@ def _draw_areas(canvas: Canvas, axes: Axes, entry: _Entry) -> None:
     corners = sorted((list(map(entry.above, s.points)) for s in areas), key=_size, reverse=True)
     for number, outline in enumerate(corners):
         inside = any(surrounds(Fence(tuple(large)), *outline[0]) for large in corners[:number])
-        fill = _WHITE if inside else _pale(entry.color)
+        fill = WHITE if inside else _pale(entry.color)
         canvas.area(axes.places(outline), fill, entry.color)
 
 
@@ -259,7 +260,7 @@ def _draw_scale(canvas: Canvas, axes: Axes) -> None:
     length = max(n * power for n in (1, 2, 5) if n * power <= most)
     left, y = _MAP.left + 16, _MAP.bottom - 16
     right = left + length * metre
-    canvas.rectangle(Box(left - 6, y - 22, right + 6, y + 7), _WHITE)
+    canvas.rectangle(Box(left - 6, y - 22, right + 6, y + 7), WHITE)
     canvas.line([(left, y - 5), (left, y), (right, y), (right, y - 5)], DARK, 1.5)
     canvas.text(((left + right) / 2, y - 5), f"{length:g} m", 12, DARK, "mb")
 
@@ -279,10 +280,10 @@ def _draw_legend(
         behavior = "" if entry.state.endswith(entry.behavior) else f"  {entry.behavior}"
         title, told = f"{vehicle}{entry.state}{behavior}", _told(entry)
         if len(entries) > _MANY:
-            canvas.text((_LEFT + 26, top), _fitted(f"{title}, {told}", 11), 11)
+            canvas.text((_LEFT + 26, top), fitted(f"{title}, {told}", _ROOM, 11), 11)
         else:
-            canvas.text((_LEFT + 26, top), _fitted(title, 12))
-            canvas.text((_LEFT + 26, top + _LINE), _fitted(told, 11), 11, LABEL)
+            canvas.text((_LEFT + 26, top), fitted(title, _ROOM))
+            canvas.text((_LEFT + 26, top + _LINE), fitted(told, _ROOM, 11), 11, LABEL)
         top += _row(entries)
     if any(not leg.sure for entry in entries for leg in entry.legs):
         canvas.dashes([(_LEFT, top), (_LEFT + 18, top)], LABEL, 1.2)
@@ -293,11 +294,11 @@ def _draw_legend(
     if unknown:
         canvas.text((_LEFT, top), "known in flight only:", 12, DARK)
         for number, name in enumerate(unknown, 1):
-            canvas.text((_LEFT + 26, top + number * _LINE), _fitted(name, 11), 11, LABEL)
+            canvas.text((_LEFT + 26, top + number * _LINE), fitted(name, _ROOM, 11), 11, LABEL)
         top += (len(unknown) + 1) * _LINE + 8
     if not complete:
         text = "it has more ways than were followed: legs are missing"
-        canvas.text((_LEFT, top), text, 11, (214, 39, 40))
+        canvas.text((_LEFT, top), text, 11, RED)
 
 
 def _row(entries: Sequence[_Entry]) -> int:
@@ -315,12 +316,12 @@ def _told(entry: _Entry) -> str:
     length = sum(dist(leg.begin, leg.leg.to) for leg in sure if leg.begin is not None)
     if length >= 0.05:
         told.append(f"{length:.3g} m long")
-    counts = {
+    given = {
         kind: [s for s in entry.shapes if s.kind == kind] for kind in ("point", "route", "area")
     }
-    told += [f"route of {len(s.points)} points" for s in counts["route"]]
-    told += [f"{s.parameter} of {len(s.points)} corners" for s in counts["area"]]
-    told += [s.parameter for s in counts["point"] if not entry.legs]
+    told += [f"route of {len(s.points)} points" for s in given["route"]]
+    told += [f"{s.parameter} of {len(s.points)} corners" for s in given["area"]]
+    told += [s.parameter for s in given["point"] if not entry.legs]
     return ", ".join(told)
 
 
@@ -339,22 +340,12 @@ def _metres(value: float) -> str:
     return f"{round(value, 1) + 0.0:g}"
 
 
-def _fitted(text: str, size: int) -> str:
-    """A text, or as much of its begin as there is room for beside a swatch."""
-    room = _RIGHT - _LEFT - 26
-    if text_width(text, size) <= room:
-        return text
-    while text and text_width(f"{text}…", size) > room:
-        text = text[:-1]
-    return f"{text}…"
-
-
 # -- small figures ---------------------------------------------------------------------------------
 
 
 def _ring(canvas: Canvas, place: XY, color: Color) -> None:
     canvas.disc(place, 6.0, color)
-    canvas.disc(place, 4.0, _WHITE)
+    canvas.disc(place, 4.0, WHITE)
 
 
 def _arrow(canvas: Canvas, way: Sequence[XY], color: Color) -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import numpy as np
 import pytest
 
 from cli.plot import plan
@@ -166,30 +165,27 @@ def test_a_parameter_changes_the_plan(tour: str, drawn: Drawn) -> None:
     assert told[told.index("rise  takeoff") + 1] == "from 0 to 4.5 m, 4.5 m long"
 
 
-def test_a_hole_is_left_out_of_its_area(drawn: Drawn) -> None:
-    canvas = Canvas(900, 900)
-    axes = axes_from_above(plan._MAP, [(0.0, 0.0), (10.0, 10.0)], 0.1, 8.0)
+HOLED = """\
+mission: holed
+states:
+  up: {do: takeoff, with: {altitude: 3 m}, on: {done: sweep}}
+  sweep:
+    do: sweep
+    with: {area: OUTLINE, holes: [[[7, 7], [13, 7], [13, 13], [7, 13]]], step: 4 m}
+    on: {done: down}
+  down: {do: land, on: {done: over}}
+  over: {type: final}
+"""
 
-    class Whole:
-        shapes = tuple(
-            plan.PlannedShape(None, "area", "area", corners)  # type: ignore[arg-type]
-            for corners in (
-                ((4.0, 4.0), (6.0, 4.0), (6.0, 6.0), (4.0, 6.0)),
-                ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)),
-            )
-        )
-        color = MOW
 
-        @staticmethod
-        def above(point: Any) -> Any:
-            return point
-
-    plan._draw_areas(canvas, axes, Whole())  # type: ignore[arg-type]
-    image = cv2.imdecode(np.frombuffer(canvas.png(), np.uint8), cv2.IMREAD_COLOR)
-    x, y = map(round, axes.place(5.0, 5.0))
-    assert image[y, x].tolist() == [255, 255, 255]
-    x, y = map(round, axes.place(2.0, 5.0))
-    assert image[y, x].tolist() != [255, 255, 255]
+def test_a_hole_is_left_out_of_its_area(write: Write, drawn: Drawn) -> None:
+    text = HOLED.replace("OUTLINE", "[[2, 2], [18, 2], [18, 18], [2, 18]]")
+    drawn.show(write("holed.yaml", text))
+    sweep = COLORS[1]
+    pale = tuple(round(part + (255 - part) * 0.85) for part in sweep)
+    assert pale in drawn.colors_at(2.3, 2.3) and pale in drawn.colors_at(17.7, 17.7)
+    assert drawn.colors_at(10.2, 10.3) == {(255, 255, 255)}
+    assert sweep in drawn.colors_at(7.0, 10.3), "the edge of the hole"
 
 
 def test_a_fleet_shows_each_vehicle_in_its_color(

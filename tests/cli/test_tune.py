@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -121,7 +120,26 @@ def test_without_a_command_there_is_help() -> None:
     assert "color  The range of a colour in a picture." in result.out
 
 
-def test_the_range_can_be_pasted_into_a_mission(picture: Pixels) -> None:
-    line = run_cli("tune", "color", "scene.png", "--at", "220,80").out.splitlines()[0]
-    pasted = yaml.safe_load(f"watch:\n  do: look\n  with:\n    {line}\n")
-    assert json.dumps(pasted["watch"]["with"]["color"]["hsv"])[0] == "["
+MISSION = """\
+mission: look
+states:
+  up: {do: takeoff, with: {altitude: 2 m}, on: {done: look}}
+  look:
+    do: find_color
+    with:
+      COLOR
+    on: {failed: land}
+    states: {stay: {do: hover, after: {1 s: land}}}
+  land: {do: land, on: {done: over}}
+  over: {type: final}
+"""
+
+
+def test_each_line_can_be_pasted_into_a_mission(
+    picture: Pixels, write: Callable[[str, str], str]
+) -> None:
+    lines = run_cli("tune", "color", "scene.png", "--at", "220,80").out.splitlines()
+    assert len(lines) == 3
+    for line in lines:
+        result = run_cli("check", write("look.yaml", MISSION.replace("COLOR", line)))
+        assert (result.code, result.err) == (0, ""), line

@@ -153,6 +153,31 @@ def test_nothing_found_writes_nothing(flown: Callable[..., Path], code: str) -> 
     assert result.code == 2 and "no-findings" in result.err
 
 
+def test_findings_without_room_are_told_and_can_be_written_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_bytes = Path.write_bytes
+
+    def full(path: Path, data: bytes) -> int:
+        if path.name.startswith("findings."):
+            raise OSError(28, "No space left on device")
+        return write_bytes(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    (tmp_path / "tell.py").write_text(CODE)
+    (tmp_path / "tell.yaml").write_text(MISSION)
+    command = ("run", str(tmp_path / "tell.yaml"), "--runs-dir", str(tmp_path / "runs"))
+    done = run_cli(*command, "--no-picture")
+    assert done.code == 4
+    assert "no findings: " in done.err and "No space left on device [cannot-write]" in done.err
+    assert "ended in 'done'" in done.out and "findings: " not in done.out
+    (run,) = (tmp_path / "runs").iterdir()
+    assert not list(run.glob("findings*"))
+    assert run_cli("findings", str(run)).code == 4
+    monkeypatch.undo()
+    assert run_cli("findings", str(run)).code == 0
+
+
 def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError) as raised:
         write_findings(tmp_path)
