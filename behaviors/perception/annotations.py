@@ -106,7 +106,9 @@ def axes(
     ``turn`` leads from its axes to those of the frame's pose.
     """
     drawn = image.copy()
-    ends = np.vstack([np.zeros(3), length * rotation_matrix(turn).T]) + np.asarray(position, float)
+    with np.errstate(over="ignore", invalid="ignore"):
+        arms = np.vstack([np.zeros(3), length * rotation_matrix(turn).T])
+        ends = arms + np.asarray(position, float)
     origin, *tips = pixels_of(frame, ends)
     for tip, color in zip(tips, (RED, GREEN, BLUE), strict=True):
         _arrow(drawn, origin, tip, color)
@@ -140,7 +142,9 @@ def path(image: Pixels, frame: Frame, points: ArrayLike, color: Color = YELLOW) 
     given = np.asarray(points, np.float64).reshape(-1, 3)
     for begin, end in pairwise(given):
         shares = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
-        _polyline(drawn, pixels_of(frame, begin + shares * (end - begin)), color)
+        with np.errstate(over="ignore", invalid="ignore"):
+            parts = begin + shares * (end - begin)
+        _polyline(drawn, pixels_of(frame, parts), color)
     return drawn
 
 

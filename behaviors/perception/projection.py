@@ -74,14 +74,15 @@ def level_points(eye: Sequence[float], rays: Float64s, height: float) -> Float64
 def pixels_of(frame: Frame, points: ArrayLike) -> Float64s:
     """The pixels (n, 2) where points (n, 3) of the world are seen, in the image or beside it.
 
-    NaN for what is behind the camera.
+    NaN for what is behind the camera; NaN or infinite for what is too far off for a float.
     """
     given = np.asarray(points, np.float64).reshape(-1, 3)
-    inside = (given - frame.position) @ rotation_matrix(frame.attitude)
-    depth = inside[:, 2]
-    ahead = depth > _NEAR
     found = np.full((len(given), 2), np.nan)
-    found[ahead] = distorted_pixels(inside[ahead, :2] / depth[ahead, None], frame.intrinsics)
+    with np.errstate(over="ignore", invalid="ignore"):
+        inside = (given - frame.position) @ rotation_matrix(frame.attitude)
+        depth = inside[:, 2]
+        ahead = depth > _NEAR
+        found[ahead] = distorted_pixels(inside[ahead, :2] / depth[ahead, None], frame.intrinsics)
     return found
 
 

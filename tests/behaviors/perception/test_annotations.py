@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import pi
+from math import inf, pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from behaviors.perception import Blob, annotations, blobs, pixels_of
@@ -162,6 +162,9 @@ pairs = st.tuples(numbers, numbers)
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.lists(pairs, min_size=4, max_size=4), numbers, st.integers(1, 40), st.text(max_size=8))
+@example([(0.0, 0.0)] * 4, inf, 1, "")
+@example([(0.0, 0.0)] * 4, 1.2e307, 1, "")
+@example([(1.7e308, -1.7e308), (-1.7e308, 1.7e308)] * 2, -1.7e308, 1, "")
 def test_nothing_that_was_found_is_too_wrong_to_draw(
     corners: list[tuple[float, float]], size: float, height: int, words: str
 ) -> None:
