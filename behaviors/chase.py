@@ -60,11 +60,11 @@ class Chase:
         self.position = place = self._leashed(self._next, seen.position)
         wanted = _bound(moves.plus(self._closing(target.minus(place))), speed)
         k = 4 * self._stiffness
-        asked = _bound(_times(wanted.minus(self.velocity), k), self._most)
+        asked = _bound(wanted.minus(self.velocity).times(k), self._most)
         change = _bound(asked.minus(self.acceleration), JERK * dt)
         self.acceleration = self.acceleration.plus(change)
-        self.velocity = self.velocity.plus(_times(self.acceleration, dt))
-        self._next = place.plus(_times(self.velocity, dt))
+        self.velocity = self.velocity.plus(self.acceleration.times(dt))
+        self._next = place.plus(self.velocity.times(dt))
 
     def stop(self, seen: Observation, dt: float) -> None:
         """Slow down, and stay where that ends."""
@@ -80,14 +80,14 @@ class Chase:
             return STILL
         near = braking / (k * k)
         closing = k * far if far <= near else sqrt(2 * braking * (far - near / 2))
-        return _times(left, closing / far)
+        return left.times(closing / far)
 
     @staticmethod
     def _leashed(place: Point, vehicle: Point) -> Point:
         """The place, or that on the way to it which is MAX_LEAD from the vehicle."""
         lead = place.minus(vehicle)
         far = lead.norm()
-        return place if far <= MAX_LEAD else vehicle.plus(_times(lead, MAX_LEAD / far))
+        return place if far <= MAX_LEAD else vehicle.plus(lead.times(MAX_LEAD / far))
 
     def progress(self) -> list[list[float]]:
         """Its state, as JSON."""
@@ -108,8 +108,4 @@ def turned_towards(yaw: float, wanted: float, rate: float, dt: float) -> float:
 def _bound(vector: Point, most: float) -> Point:
     """The vector, shortened to a length of ``most``."""
     length = vector.norm()
-    return vector if length <= most else _times(vector, most / length)
-
-
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)
+    return vector if length <= most else vector.times(most / length)

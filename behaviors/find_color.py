@@ -11,10 +11,10 @@ import numpy as np
 
 from behaviors.behavior import Behavior
 from behaviors.flight import Flight
+from behaviors.new_frames import NewFrames
 from behaviors.params import BehaviorParams, param
 from behaviors.perception.annotations import GREEN, YELLOW, circle, rejected, text_line
 from behaviors.perception.color import ColorRange, mask, read_color
-from behaviors.perception.projection import tilt_of
 from behaviors.plan import Legs, PlanStart, Unflyable, is_known, require_order
 from fsm.host import Outcome
 from hal.scene.arrays import Int32s, Pixels
@@ -74,16 +74,12 @@ class FindColor(Behavior):
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
         self.wanted = color_of(self.params.color)
         require_order(self.params, "min_area_limit", "max_area_limit")
-        self.sequence = -1
+        self.frames = NewFrames(flight.camera(self.params.camera), self.params.roll_pitch_thr)
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params = self.params
-        frame = flight.camera(params.camera).latest()
-        if frame is None or frame.sequence == self.sequence:
-            return None
-        self.sequence = frame.sequence
-        limit = params.roll_pitch_thr
-        if limit is not None and tilt_of(flight.observation.attitude) > limit:
+        frame = self.frames.next(flight.observation)
+        if frame is None:
             return None
         polygons = color_polygons(frame.image, self.wanted, params.edge_threshold)
         spot = _largest(polygons, params.min_area_limit, params.max_area_limit, frame.image)

@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 from behaviors.behavior import Behavior
 from behaviors.find_color import color_of
 from behaviors.flight import Flight
+from behaviors.new_frames import NewFrames
 from behaviors.params import BehaviorParams, param, value
 from behaviors.perception.annotations import section
 from behaviors.perception.color import mask
-from behaviors.perception.projection import tilt_of
 from behaviors.perception.road_sections import Runs, Sections, road_sections
 from behaviors.plan import Legs, PlanStart, is_known
 from fsm.host import Outcome
@@ -71,29 +71,24 @@ class FindRoad(Behavior):
         return []
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.camera = flight.camera(self.params.camera)
+        self.frames = NewFrames(flight.camera(self.params.camera), self.params.roll_pitch_thr)
         self.wanted = color_of(self.params.color)
-        self.sequence = -1
-        self.frames = 0
+        self.looks = 0
         self.last_x = 0.0
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params = self.params
-        frame = self.camera.latest()
-        if frame is None or frame.sequence == self.sequence:
+        frame = self.frames.next(flight.observation)
+        if frame is None:
             return None
-        self.sequence = frame.sequence
-        limit = params.roll_pitch_thr
-        if limit is not None and tilt_of(flight.observation.attitude) > limit:
-            return None
-        self.frames += 1
+        self.looks += 1
         runs = Runs(params.begin, params.end)
         found = road_sections(mask(frame.image, self.wanted), self.last_x, params.apart, runs)
         if found.section is not None:
             self.last_x = found.x
         flight.publish(
             RoadInPicture(
-                self.frames, found.section is not None, found.x, found.y, found.angle,
+                self.looks, found.section is not None, found.x, found.y, found.angle,
                 found.upper, found.lower, found.middle_at_edge,
             )
         )  # fmt: skip

@@ -74,7 +74,7 @@ class Reference:
         self._next = position
         """Where the vehicle is to be in the next period."""
         # The carrot has moved at that velocity, so that the mean of its places is the position.
-        self._carrot = position.plus(_times(velocity, _DELAY))
+        self._carrot = position.plus(velocity.times(_DELAY))
         self._carrot_velocity = velocity
         self._x, self._y, self._z = (
             MovingAverage(at - speed * PERIOD * (SMOOTHING - 1 - k) for k in range(SMOOTHING))
@@ -151,14 +151,10 @@ class Reference:
         return Position(self.position, self.velocity, yaw, acceleration=self.acceleration)
 
 
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)
-
-
 def stopping_place(seen: Observation) -> Point:
     """Where a reference comes to rest that stops now."""
     speed = seen.velocity.norm()
-    return seen.position.plus(_times(seen.velocity, speed / (2 * ACCELERATION) + _DELAY))
+    return seen.position.plus(seen.velocity.times(speed / (2 * ACCELERATION) + _DELAY))
 
 
 def yaw_along(direction: Point, present_yaw: float) -> float:

@@ -140,7 +140,7 @@ def slowed(directions: Sequence[Point], pace: Pace, agility: Agility) -> Pace:
     """A pace so much slower that the vehicle can fly it; ``directions`` are the path's at each of
     its nodes.
     """
-    velocities = [_times(d, v) for d, v in zip(directions, pace.speeds, strict=True)]
+    velocities = [d.times(v) for d, v in zip(directions, pace.speeds, strict=True)]
     turns = (
         distance(a, b) / (u - t)
         for a, b, t, u in zip(velocities, velocities[1:], pace.times, pace.times[1:], strict=False)
@@ -214,7 +214,3 @@ class _Steps:
 
     def pace(self) -> Pace:
         return Pace(self._times, self._ways, self._speeds)
-
-
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)

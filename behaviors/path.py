@@ -73,17 +73,17 @@ class Path:
         u, v = self.directions[k], self.directions[k + 1]
         mean = Point(*(a + (b - a) * t for a, b in zip(u, v, strict=True)))
         size = mean.norm()
-        return _times(mean, 1 / size) if size > SAME else v
+        return mean.times(1 / size) if size > SAME else v
 
     def bends(self) -> list[float]:
         """The largest curvature between each two nodes, 1/m: the second derivative at either."""
         found = []
         for k in range(len(self.ways) - 1):
             h = self.ways[k + 1] - self.ways[k]
-            way = _times(self.places[k + 1].minus(self.places[k]), 6 / (h * h))
+            way = self.places[k + 1].minus(self.places[k]).times(6 / (h * h))
             u, v = self.directions[k], self.directions[k + 1]
-            begin = way.minus(_times(u, 4 / h)).minus(_times(v, 2 / h))
-            end = _times(u, 2 / h).plus(_times(v, 4 / h)).minus(way)
+            begin = way.minus(u.times(4 / h)).minus(v.times(2 / h))
+            end = u.times(2 / h).plus(v.times(4 / h)).minus(way)
             found.append(max(begin.norm(), end.norm()))
         return found
 
@@ -116,7 +116,7 @@ class PathBuilder:
         """Go on straight to a place."""
         length = distance(self.end, to)
         if length > SAME:
-            direction = _times(to.minus(self.end), 1 / length)
+            direction = to.minus(self.end).times(1 / length)
             self._directions[-1] = direction
             self.add(to, direction, length)
 
@@ -126,14 +126,14 @@ class PathBuilder:
         turn = angle_between(u, into)
         radius = distance(begin, to) / (2 * sin(turn / 2))
         # From the begin to the circle's centre, at right angles to the direction.
-        inward = into.minus(_times(u, cos(turn)))
-        inward = _times(inward, 1 / inward.norm())
+        inward = into.minus(u.times(cos(turn)))
+        inward = inward.times(1 / inward.norm())
         parts = ceil(turn / ANGLE_STEP)
         for k in range(1, parts):
             angle = turn * k / parts
             x, y = radius * sin(angle), radius * (1 - cos(angle))
-            place = begin.plus(_times(u, x)).plus(_times(inward, y))
-            direction = _times(u, cos(angle)).plus(_times(inward, sin(angle)))
+            place = begin.plus(u.times(x)).plus(inward.times(y))
+            direction = u.times(cos(angle)).plus(inward.times(sin(angle)))
             self.add(place, direction, radius * turn / parts)
         self.add(to, into, radius * turn / parts)
 
@@ -187,9 +187,9 @@ def _add_corner(
     # An arc with tangents of length h has the radius h/tan(turn/2), and h·tan(turn/4) is its
     # distance from the corner.
     h = min(length / 2, ahead / 2, corner.deviation / tan(turn / 4))
-    builder.line(corner.place.minus(_times(arriving, h)))
+    builder.line(corner.place.minus(arriving.times(h)))
     begin = builder.way
-    builder.arc(corner.place.plus(_times(leaving, h)), leaving)
+    builder.arc(corner.place.plus(leaving.times(h)), leaving)
     return (begin + builder.way) / 2
 
 
@@ -203,7 +203,7 @@ def turns_back(a: Point, b: Point, c: Point) -> bool:
 def _direction(a: Point, b: Point) -> tuple[Point, float]:
     """The direction from a place to another one, and the distance."""
     length = distance(a, b)
-    return _times(b.minus(a), 1 / length), length
+    return b.minus(a).times(1 / length), length
 
 
 def angle_between(u: Point, v: Point) -> float:
@@ -220,13 +220,13 @@ def traced(
     values near enough for its bends (ANGLE_STEP).
     """
     speeds = [derivative(value).norm() for value in values]
-    builder = PathBuilder(place(values[0]), _times(derivative(values[0]), 1 / speeds[0]))
+    builder = PathBuilder(place(values[0]), derivative(values[0]).times(1 / speeds[0]))
     for k in range(1, len(values)):
         a, b = values[k - 1], values[k]
         # Simpson's rule.
         middle = derivative((a + b) / 2).norm()
         length = (speeds[k - 1] + 4 * middle + speeds[k]) * (b - a) / 6
-        builder.add(place(b), _times(derivative(b), 1 / speeds[k]), length)
+        builder.add(place(b), derivative(b).times(1 / speeds[k]), length)
     return builder.path(), speeds
 
 
@@ -269,7 +269,7 @@ def spline(points: Sequence[Point], closed: bool = False) -> tuple[Path, list[fl
         piece = _Cubic(points[k], points[k + 1], moments[k], moments[k + 1], chord)
         if builder is None:
             begin = piece.derivative(0.0)
-            builder = PathBuilder(points[0], _times(begin, 1 / begin.norm()))
+            builder = PathBuilder(points[0], begin.times(1 / begin.norm()))
         piece.add_to(builder)
         passed.append(builder.way)
     assert builder is not None
@@ -318,7 +318,7 @@ class _Cubic:
             length = (speed + 4 * middle + after) * dt / 6
             speed = after
             if after > SAME:
-                builder.add(self.place(t), _times(tangent, 1 / after), length)
+                builder.add(self.place(t), tangent.times(1 / after), length)
 
 
 def _moments(values: Sequence[float], h: Sequence[float], closed: bool) -> list[float]:
@@ -356,7 +356,3 @@ def _solved(
         ahead = beside[k] * found[k + 1] if k + 1 < len(diagonal) else 0.0
         found[k] = (found[k] - ahead) / scale[k]
     return found
-
-
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)

@@ -115,7 +115,7 @@ class PathFollower:
     def velocity(self) -> Point:
         """The mean velocity until the next period, m/s."""
         (_, here), (_, there), _ = self._steps
-        return _times(there.minus(here), 1 / self._periods.mean)
+        return there.minus(here).times(1 / self._periods.mean)
 
     def step(self, vehicle: Observation, dt: float) -> None:
         """Go on by a period, unless the vehicle is held up."""
@@ -153,7 +153,7 @@ class PathFollower:
         """Where the vehicle is to be now, with the velocity and acceleration until the next."""
         (_, here), (_, there), (_, then) = self._steps
         change = then.minus(there).minus(there.minus(here))
-        acceleration = _times(change, 1 / self._periods.mean**2)
+        acceleration = change.times(1 / self._periods.mean**2)
         return Position(here, self.velocity, yaw, acceleration=acceleration)
 
     def progress(self) -> dict[str, Any]:
@@ -171,7 +171,3 @@ class PathFollower:
         self._periods = MovingAverage.resumed(progress["periods"])
         self._smoothing.resume(progress["smoothing"])
         self._steps = [(way, Point(*place)) for way, *place in progress["steps"]]
-
-
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)

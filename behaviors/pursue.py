@@ -11,6 +11,7 @@ from behaviors.behavior import Behavior
 from behaviors.find_color import color_of
 from behaviors.flight import Flight
 from behaviors.guidance import STILL
+from behaviors.new_frames import NewFrames
 from behaviors.params import BehaviorParams, live, param, value
 from behaviors.perception.annotations import BLUE, GREEN, YELLOW, circle, rejected, text_line
 from behaviors.perception.color import ColorRange
@@ -118,7 +119,7 @@ class Pursue(Behavior):
         self.track = TargetTrack(color, size)
         self.reference = TrackingReference(seen, flight.limits, params.speed)
         self.search: TargetSearch | None = None
-        self.sequence = -1
+        self.frames = NewFrames(flight.camera(params.camera))
         self.losses = (progress or {}).get("losses", 0)
         self.is_lost = True
         self.unseen_since = seen.time
@@ -127,9 +128,8 @@ class Pursue(Behavior):
 
     def step(self, flight: Flight) -> Outcome | str | None:
         params, seen = self.params, flight.observation
-        frame = flight.camera(params.camera).latest()
-        if frame is not None and frame.sequence != self.sequence:
-            self.sequence = frame.sequence
+        frame = self.frames.next(flight.observation)
+        if frame is not None:
             self.track.look(frame)
             flight.picture("pursue", lambda: self._drawn(frame))
             self.eye_height += _SLOWLY * (frame.position.z - seen.position.z - self.eye_height)

@@ -14,10 +14,11 @@ from behaviors.detectors import read_detectors
 from behaviors.findings import Findings, News
 from behaviors.flight import Flight
 from behaviors.lane_flight import LaneFlight, LaneStyle, along_lanes, lane_places
+from behaviors.new_frames import NewFrames
 from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, text_line
-from behaviors.perception.projection import direction, pixels_of, tilt_of
+from behaviors.perception.projection import direction, pixels_of
 from behaviors.plan import Legs, PlanStart, Unflyable, is_known, leg_to
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
@@ -136,7 +137,7 @@ class SweepDetect(Behavior):
         params, seen, progress = self.params, flight.observation, progress or {}
         self.found_by = read_detectors(params.detect, self.detectors)
         outlines_of(params.area, params.holes)
-        self.camera = flight.camera(params.camera)
+        self.frames = NewFrames(flight.camera(params.camera), params.roll_pitch_thr)
         self.begin = Point(*progress.get("begin", seen.position))
         self.yaw: float = progress.get("yaw", seen.yaw)
         given = None if params.spacing is None else _footprint(params.spacing)
@@ -144,7 +145,7 @@ class SweepDetect(Behavior):
         self.footprint = Footprint(*told) if told else given
         self.resumed = progress
         self.way: LaneFlight | None = None
-        self.sequence: int | None = None
+        self.has_looked = False
 
     def _set_out(self, flight: Flight, footprint: Footprint) -> LaneFlight:
         """Plan the lanes, and begin with the first one, or where it was."""
@@ -177,7 +178,9 @@ class SweepDetect(Behavior):
         return above
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        frame = self._new_frame()
+        frame = self.frames.next(flight.observation)
+        if frame is not None and not self.has_looked:
+            self._require_down(frame)
         if self.way is None:
             footprint = self.footprint
             if footprint is None and frame is not None:
@@ -185,7 +188,7 @@ class SweepDetect(Behavior):
             if footprint is None:
                 return None
             self.way = self._set_out(flight, footprint)
-        if frame is not None and not self._is_tilted(flight):
+        if frame is not None:
             self._look(flight, frame)
         outcome = self.way.step(flight)
         if outcome == "done":
@@ -196,19 +199,11 @@ class SweepDetect(Behavior):
         flight.publish(Searched(found, far, lane + 1, lanes, share))
         return outcome
 
-    def _new_frame(self) -> Frame | None:
-        """The camera's newest frame, if it is another one than the last."""
-        frame = self.camera.latest()
-        if frame is None or frame.sequence == self.sequence:
-            return None
-        if self.sequence is None and direction(frame, _middle(frame)).z > _DOWN:
+    def _require_down(self, frame: Frame) -> None:
+        """Raises Unflyable for a frame of a camera that looks elsewhere."""
+        if direction(frame, _middle(frame)).z > _DOWN:
             raise Unflyable(f"the camera '{self.params.camera}' does not look down", "camera")
-        self.sequence = frame.sequence
-        return frame
-
-    def _is_tilted(self, flight: Flight) -> bool:
-        threshold = self.params.roll_pitch_thr
-        return threshold is not None and tilt_of(flight.observation.attitude) > threshold
+        self.has_looked = True
 
     def _look(self, flight: Flight, frame: Frame) -> None:
         """Give a frame to the detectors, and tell what they have found."""

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from behaviors.flight import Flight
+from behaviors.new_frames import NewFrames
 from behaviors.perception.annotations import BLUE, GREEN, circle, marker, rejected
-from behaviors.perception.projection import tilt_of
 from behaviors.perception.tag_tracks import Sighting, TagTracks, Track
 from behaviors.perception.tags import Place, TagFinder
 from behaviors.plan import Unflyable
@@ -37,12 +37,10 @@ class TagWatch:
         """``name`` is that of the annotated pictures. Frames taken at more than ``most_tilt``
         radians are ignored. Raises hal's Unavailable where there is no such camera.
         """
-        self._camera = flight.camera(camera)
+        self._frames = NewFrames(flight.camera(camera), most_tilt)
         self._finder = finder
         self._tracks = tracks
-        self._most_tilt = most_tilt
         self._name = name
-        self._sequence = -1
         self._time = flight.now
         """Capture time of the last picture that counted, seconds."""
 
@@ -51,11 +49,8 @@ class TagWatch:
 
         Annotated pictures have a green circle about what ``is_near`` to where it is wanted.
         """
-        frame = self._camera.latest()
-        if frame is None or frame.sequence == self._sequence:
-            return None
-        self._sequence = frame.sequence
-        if self._most_tilt is not None and tilt_of(flight.observation.attitude) > self._most_tilt:
+        frame = self._frames.next(flight.observation)
+        if frame is None:
             return None
         self._time = frame.time
         sighted = self._tracks.update(frame, self._finder.find(frame, _ground_below(flight)))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import atan2, cos, inf, sin
+from math import atan2, cos, sin
 from typing import Any
 
 from behaviors.flight import Flight
 from behaviors.guidance import STILL
+from behaviors.new_frames import NewFrames
 from behaviors.perception.annotations import BLUE, GREEN, circle, marker, rejected, text_line
-from behaviors.perception.projection import pixels_of, tilt_of
+from behaviors.perception.projection import pixels_of
 from behaviors.perception.target_filter import TargetFilter
 from behaviors.perception.targets import Look, Sighting, Target
 from hal.scene.arrays import Pixels
@@ -43,10 +44,8 @@ class TargetWatch:
         """``acceleration`` (m/s²) is the standard deviation of the target's; frames seen while
         tilted by more than ``most_tilt`` (radians) are ignored. Raises hal's Unavailable.
         """
-        self._camera = flight.camera(camera)
+        self._frames = NewFrames(flight.camera(camera), most_tilt)
         self._target = target
-        self._most_tilt = inf if most_tilt is None else most_tilt
-        self._sequence: int | None = None
         self.track = TargetFilter(acceleration)
         self.frame: Frame | None = None
         """The newest frame that was looked at."""
@@ -66,11 +65,8 @@ class TargetWatch:
 
     def look(self, flight: Flight) -> bool:
         """Look at the newest frame, and tell whether it is a new one."""
-        frame = self._camera.latest()
-        if frame is None or frame.sequence == self._sequence:
-            return False
-        self._sequence = frame.sequence
-        if tilt_of(flight.observation.attitude) > self._most_tilt:
+        frame = self._frames.next(flight.observation)
+        if frame is None:
             return False
         self.frame, self.seen = frame, self._target.look(frame)
         self.sighting = self._chosen(frame.time)

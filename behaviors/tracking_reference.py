@@ -88,8 +88,8 @@ class TrackingReference:
         most = JERK * dt
         dx, dy = _short(wanted[0] - ax, wanted[1] - ay, most)
         self.acceleration = Point(ax + dx, ay + dy, az + _bound(up - az, most))
-        self.velocity = self.velocity.plus(_times(self.acceleration, dt))
-        self.place = self.place.plus(_times(self.velocity, dt))
+        self.velocity = self.velocity.plus(self.acceleration.times(dt))
+        self.place = self.place.plus(self.velocity.times(dt))
         self._turn_to(aim, dt)
 
     def _keeping_sight(self, x: float, y: float) -> tuple[float, float]:
@@ -108,7 +108,7 @@ class TrackingReference:
         lead = self.place.minus(seen.position)
         far = lead.norm()
         if far > MAX_LEAD:
-            self.place = seen.position.plus(_times(lead, MAX_LEAD / far))
+            self.place = seen.position.plus(lead.times(MAX_LEAD / far))
 
     def _turn_to(self, aim: Aim, dt: float) -> None:
         wanted = _bound(aim.yaw_rate + _YAW_GAIN * wrap(aim.yaw - self.yaw), self._turn)
@@ -132,7 +132,3 @@ def _short(x: float, y: float, most: float) -> tuple[float, float]:
     """A vector, or where it is longer than ``most`` that much of it."""
     long = hypot(x, y)
     return (x, y) if long <= most else (x * most / long, y * most / long)
-
-
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)

@@ -14,6 +14,7 @@ from behaviors.behavior import Behavior
 from behaviors.find_color import color_of
 from behaviors.flight import Flight
 from behaviors.guidance import STILL
+from behaviors.new_frames import NewFrames
 from behaviors.params import BehaviorParams, param, value
 from behaviors.perception.annotations import blob as drawn_blob
 from behaviors.perception.blobs import Blob, blobs, touches_edge
@@ -132,18 +133,16 @@ class WatchTraffic(Behavior):
         return []
 
     def start(self, flight: Flight, progress: Mapping[str, Any] | None = None) -> None:
-        self.camera = flight.camera(self.params.camera)
+        self.frames = NewFrames(flight.camera(self.params.camera))
         self.colors = _colors(self.params.colors)
         require_order(self.params, "min_size", "max_size")
         self.tracks: list[_Track] = []
-        self.sequence = -1
         self.seen: int = (progress or {}).get("seen", 0)
 
     def step(self, flight: Flight) -> Outcome | str | None:
-        frame = self.camera.latest()
-        if frame is None or frame.sequence == self.sequence:
+        frame = self.frames.next(flight.observation)
+        if frame is None:
             return None
-        self.sequence = frame.sequence
         now: list[tuple[Blob, _Track]] = []
         for name, wanted in self.colors.items():
             for found, place in self._cars(frame, wanted):

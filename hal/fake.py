@@ -285,9 +285,9 @@ class FakeVehicle(BaseVehicle):
         if self._mode != "landed":
             # It holds once its set-point has run out, also within a period that comes late.
             flown = min(step, self.remaining_validity())
-            after = self._moved(flown).plus(_times(self.wind, step))
+            after = self._moved(flown).plus(self.wind.times(step))
             self.position = before if self.stuck else after._replace(z=max(self._ground, after.z))
-        self._velocity = _times(self.position.minus(before), 1 / step)
+        self._velocity = self.position.minus(before).times(1 / step)
         self._reach()
         self.link_age = self.link_age + step if deaf else self.link_age
         self.end_period(self._observed(deaf))
@@ -342,13 +342,13 @@ class FakeVehicle(BaseVehicle):
                     self._turn(wrap(place.yaw - self.yaw) / step, step)
                 else:
                     self._turn(place.yaw_rate or 0.0, step)
-                moved = _times(Point(*(place.velocity or _STILL)), step)
+                moved = Point(*(place.velocity or _STILL)).times(step)
                 return self._towards(Point(*place.xyz).plus(moved), step)
             case Velocity(x, y, z, frame, yaw_rate):
                 if frame == "heading":
                     x, y = rotate_xy(x, y, self.yaw)
                 self._turn(yaw_rate, step)
-                return self._towards(self.position.plus(_times(Point(x, y, z), step)), step)
+                return self._towards(self.position.plus(Point(x, y, z).times(step)), step)
             case Attitude() as tilt:
                 return self._tilted(tilt, step)
         return self.position
@@ -365,7 +365,7 @@ class FakeVehicle(BaseVehicle):
         self._turn(setpoint.yaw_rate * (limits["max_yaw_rate"] if share else 1.0), step)
         pull = rotate_xy(_GRAVITY * tan(pitch), -_GRAVITY * tan(roll), self.yaw)
         x, y = self._velocity.x + pull[0] * step, self._velocity.y + pull[1] * step
-        return self._towards(self.position.plus(_times(Point(x, y, climb), step)), step)
+        return self._towards(self.position.plus(Point(x, y, climb).times(step)), step)
 
     def _turn(self, rate: float, step: float) -> None:
         most = self._limits["max_yaw_rate"]
@@ -437,7 +437,3 @@ class FakeSession(BaseSession[FakeVehicle]):
         for vehicle in self.vehicles.values():
             vehicle.advance(self.periods / PERIODS_PER_SECOND + self._lateness, step)
         return step
-
-
-def _times(vector: Point, factor: float) -> Point:
-    return Point(vector.x * factor, vector.y * factor, vector.z * factor)

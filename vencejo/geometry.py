@@ -25,6 +25,9 @@ class Point(NamedTuple):
     def minus(self, other: tuple[float, float, float]) -> Point:
         return Point(self.x - other[0], self.y - other[1], self.z - other[2])
 
+    def times(self, factor: float) -> Point:
+        return Point(self.x * factor, self.y * factor, self.z * factor)
+
     def norm(self) -> float:
         return sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
 

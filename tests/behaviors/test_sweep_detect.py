@@ -177,6 +177,7 @@ def test_above_ground_it_follows_the_ground() -> None:
 
 def test_pictures_while_tilted_are_not_looked_at() -> None:
     tilted = Search({**VALUES, "roll_pitch_thr": 0.1})
+    tilted.step()
     observe = tilted.vehicle.observe
     lean = (0.1, 0.0, 0.0, 0.995)
     tilted.vehicle.observe = lambda: observe()._replace(attitude=lean)  # type: ignore[method-assign]
@@ -222,7 +223,9 @@ def test_a_detector_of_ones_own_is_used() -> None:
     broken = Search({**VALUES, "detect": ["break_down"]}, info=info)
     broken.run(5)
     assert broken.outcome is not None and broken.word == "failed"
-    assert broken.outcome.fields["reason"] == "ValueError: no more (test_sweep_detect.py:211)"
+    line = break_down.__code__.co_firstlineno + 2
+    reason = broken.outcome.fields["reason"]
+    assert reason == f"ValueError: no more (test_sweep_detect.py:{line})"
 
 
 def test_a_camera_that_looks_ahead_searches_nothing() -> None:
