@@ -114,8 +114,12 @@ def _axes(area: Polygon | MultiPolygon) -> list[float]:
     for outline in (*outlines(area), area.convex_hull.exterior):
         for a, b in pairwise(outline.coords):
             found.append(float(np.arctan2(b[1] - a[1], b[0] - a[0])) % pi)
-    # Those of sides come first, so that of equal ones they are taken.
-    return list(dict.fromkeys(round(angle, 6) for angle in reversed(found)))
+    # Those of sides come first, so that of equal ones they are taken, and as they are: a millionth
+    # of a radian makes an area wider, which can take one lane more.
+    different: dict[float, float] = {}
+    for angle in reversed(found):
+        different.setdefault(round(angle, 6), angle)
+    return list(different.values())
 
 
 def _length(places: Sequence[XY]) -> float:

@@ -229,6 +229,21 @@ def test_what_is_seen_beside_another_lane_is_not_flown_for() -> None:
     assert seen(wider, Polygon(slanted), 5.0, 1.0) > 0.999
 
 
+@pytest.mark.parametrize("turn", [0.0, pi / 2, 1.1, 2.3])
+def test_however_an_area_is_turned_it_takes_as_many_lanes(turn: float) -> None:
+    turned = [rotate_xy(x, y, turn) for x, y in SQUARE]
+    lanes = lanes_over(turned, [], Footprint(4.0, 2.0), 2.0)
+    assert len(lanes.lanes) == 3 and lanes.length == pytest.approx(56.0)
+
+
+def test_turns_count_the_more_the_faster_it_flies() -> None:
+    band = [(0.0, 0.0), (40.0, 0.0), (40.0, 6.0), (0.0, 6.0)]
+    across, along = (lanes_over(band, [], Footprint(4.0, 2.5), speed) for speed in (2.0, 6.0))
+    assert (across.axis, len(across.lanes)) == (pytest.approx(pi / 2), 10)
+    assert (along.axis % pi, len(along.lanes)) == (pytest.approx(0.0), 2)
+    assert across.length < along.length
+
+
 def test_a_way_passes_corners_with_some_room() -> None:
     corners, holes = SHAPES["U"]
     lanes = lanes_over(corners, holes, Footprint(5.0, 2.5), 2.0, (0.0, 40.0), pi / 2)
