@@ -276,7 +276,7 @@ def people(kind: str = "person") -> Detector:
             if not touches_edge(trunk, skin) and _is_trunk(trunk, frame, ground)
         ]
         pairs = ((head, _trunk_of(head, trunks, frame, ground)) for head in heads)
-        return [_person(kind, head, trunk, vivid, frame, ground) for head, trunk in pairs if trunk]
+        return [_person(kind, head, trunk, frame, ground) for head, trunk in pairs if trunk]
 
     return detect
 
@@ -316,9 +316,7 @@ def _gap(a: Blob, b: Blob) -> float:
     return float(np.sqrt((apart**2).sum(-1).min()))
 
 
-def _person(
-    kind: str, head: Blob, trunk: Blob, vivid: Any, frame: Frame, ground: float
-) -> Sighting:
+def _person(kind: str, head: Blob, trunk: Blob, frame: Frame, ground: float) -> Sighting:
     """Somebody by head and trunk; lying where these are as far apart as on the ground."""
     ends = np.array([[head.x, head.y], [trunk.x, trunk.y]])
     lying = ground_points(frame, ends, ground + _LYING)

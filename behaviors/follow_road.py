@@ -15,7 +15,7 @@ from behaviors.line_reference import LineReference
 from behaviors.manoeuvre import EPSILON
 from behaviors.params import BehaviorParams, live, param, value
 from behaviors.perception.annotations import GREEN, RED, circle, path
-from behaviors.perception.centre_line import CentreLine, Node, Widths
+from behaviors.perception.centre_line import Node, Widths
 from behaviors.perception.projection import pixels_of
 from behaviors.perception.road_mask import shaded
 from behaviors.plan import Legs, PlanStart, is_known, require_order
@@ -115,10 +115,10 @@ class FollowRoad(Behavior):
         look = Look(color, widths, params.gap)
         self.sight = RoadSight(flight.camera(params.camera), look, self.height, params.ground)
         self.phase: Phase = "look"
-        self.reference: Reference = Reference(seen.position, seen.velocity)
+        self.reference = Reference(seen.position, seen.velocity)
         self.line: LineReference | None = None
         self.ending = "open"
-        self.here = self.station = seen.position
+        self.station = seen.position
         self.yaw = seen.yaw
         self.direction: float = seen.yaw if params.direction is None else params.direction
         self.turned = self.waited = self.since_end = self.searched_at = self.edged_at = 0.0
@@ -133,12 +133,8 @@ class FollowRoad(Behavior):
     def step(self, flight: Flight) -> Outcome | str | None:
         seen = flight.observation
         is_new = self.sight.update()
-        self.here = seen.position
-        outcome: str | None
-        if self.phase == "follow":
-            outcome = self._follow(flight, is_new)
-        else:
-            outcome = self._hover(flight, is_new)
+        do = self._follow if self.phase == "follow" else self._hover
+        outcome = do(flight, is_new)
         flight.publish(self._published(seen))
         if is_new:
             flight.picture("road", self._drawn)
@@ -149,7 +145,7 @@ class FollowRoad(Behavior):
     def _hover(self, flight: Flight, is_new: bool) -> str | None:
         seen, dt = flight.observation, flight.dt
         reference = self.reference
-        reference.step(self._station(seen), min(1.0, self.params.speed), seen, dt)
+        reference.step(self._station(), min(1.0, self.params.speed), seen, dt)
         still = (
             reference.velocity.norm() < STILL_SPEED
             and abs(reference.position.z - self.height) < 0.05
@@ -170,7 +166,7 @@ class FollowRoad(Behavior):
         is_over = self.turned >= 2 * pi and self.waited >= self.params.patience - EPSILON
         return "lost" if is_over else None
 
-    def _station(self, seen: Observation) -> Point:
+    def _station(self) -> Point:
         """Where it stands to look."""
         if self.phase == "search" and self.road is not None:
             return Point(self.road.x, self.road.y, self.height)
@@ -218,7 +214,7 @@ class FollowRoad(Behavior):
         line = self.line
         assert line is not None
         if is_new:
-            self._trace_on(line)
+            self._trace_on(line, seen)
         way = line.way
         line.step(seen, self.params.speed, dt)
         self.flown += line.way - way
@@ -236,15 +232,15 @@ class FollowRoad(Behavior):
             self._search(line)
         return None
 
-    def _trace_on(self, line: LineReference) -> None:
-        traced: CentreLine = self.sight.trace(line.settled, into_gap=self.since_end > PAUSE)
+    def _trace_on(self, line: LineReference, seen: Observation) -> None:
+        traced = self.sight.trace(line.settled, into_gap=self.since_end > PAUSE)
         if traced.has_edges or traced.ending == "end" or not traced.nodes[0].is_road:
             self.edged_at = line.way
         is_bare = line.way > self.edged_at + BARE * self.sight.width
         self.ending = "none" if is_bare else traced.ending
         if self.ending != "none":
             line.go_on(traced.nodes, traced.ending == "end")
-            self.road = line.nearest(self.here.x, self.here.y)
+            self.road = line.nearest(seen.position.x, seen.position.y)
 
     def _search(self, line: LineReference) -> None:
         """Stop following, and look round from where the road was last seen."""

@@ -20,9 +20,10 @@ from behaviors.guidance import (
     acceleration_at,
 )
 from behaviors.moving_average import MovingAverage
-from behaviors.perception.centre_line import XY, Node
+from behaviors.perception.centre_line import Node
 from hal.vehicle import PERIOD, Observation, Position
 from vencejo.geometry import Point, distance, wrap
+from vencejo.polylines import XY
 
 BRAKING = 2.0
 """Deceleration with which it slows down before bends and the end of what is known, m/s²."""

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from behaviors.perception.centre_line import (
-    XY,
     Begin,
     CentreLine,
     Node,
@@ -23,6 +22,7 @@ from behaviors.perception.projection import is_inside, pixels_of
 from behaviors.perception.road_mask import road_mask
 from hal.scene.arrays import Pixels
 from hal.vehicle import Camera, Frame
+from vencejo.polylines import XY
 
 _CELLS_PER_HEIGHT = 120
 """A cell is about two pixels wide."""

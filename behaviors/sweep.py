@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from behaviors.behavior import Behavior
-from behaviors.coverage import Footprint, Lanes, lanes_over
+from behaviors.coverage import Lanes, lanes_over
 from behaviors.flight import Flight
 from behaviors.lane_flight import LaneFlight, LaneStyle, along_lanes, lane_places
 from behaviors.outline import outlines_of
 from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.plan import Legs, PlanStart, leg_to
+from behaviors.strips import Footprint
 from fsm.host import Outcome
 from vencejo.geometry import Point
 

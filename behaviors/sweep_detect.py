@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import shapely
 
 from behaviors.behavior import Behavior
-from behaviors.coverage import Footprint, Lanes, area_of, lanes_over
+from behaviors.coverage import Lanes, lanes_over
 from behaviors.detectors import read_detectors
 from behaviors.findings import Findings, News
 from behaviors.flight import Flight
@@ -20,6 +20,8 @@ from behaviors.params import Area, Areas, BehaviorParams, Heading, param, value
 from behaviors.perception.annotations import BLUE, GREEN, WHITE, circle, text_line
 from behaviors.perception.projection import direction, pixels_of
 from behaviors.plan import Legs, PlanStart, Unflyable, is_known, leg_to
+from behaviors.polygons import area_of
+from behaviors.strips import Footprint
 from fsm.host import Outcome
 from hal.scene.arrays import Pixels
 from hal.vehicle import Frame, Intrinsics

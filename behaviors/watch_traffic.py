@@ -114,7 +114,7 @@ class WatchTraffic(Behavior):
 
     class Params(BehaviorParams):
         camera: str = param("ventral", help="that looks down", names="camera")
-        colors: list = param(("red", "blue", "yellow"), help="of the cars: names or ranges")  # type: ignore[type-arg]
+        colors: list[Any] = param(("red", "blue", "yellow"), help="of the cars: names or ranges")
         height: float = param(0.75, unit="m", min=0.0, max=10.0, help="of their sides, on average")
         ground: float = param(0.0, unit="m", help="height of the road above home")
         min_size: float = param(3.0, min=0.01, help="square metres seen from above, at least")

@@ -47,9 +47,9 @@ from runner import missions
 from runner.loop import fly
 from runner.plan import Plan
 from runner.preparation import prepare
+from vencejo.polylines import XY
 from vencejo.seeds import generator
 
-XY = tuple[float, float]
 HEIGHT, SPEED, OVERLAP = 6.0, 2.0, 0.25
 KINDS = ("convex", "concave", "holes")
 GOALS = {

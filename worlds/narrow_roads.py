@@ -10,9 +10,9 @@ from itertools import pairwise
 from math import atan2, cos, dist, hypot, pi, sin, tan
 from random import Random
 
+from vencejo.polylines import XY
 from worlds import curves
 
-XY = tuple[float, float]
 _STEP = 0.25
 """Way between the points of a bend, metres."""
 _APART = 3.0

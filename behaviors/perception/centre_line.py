@@ -27,8 +27,8 @@ import numpy as np
 from behaviors.perception.ground_map import GroundMap
 from hal.scene.arrays import Bools, Float32s, Float64s
 from vencejo.geometry import wrap
+from vencejo.polylines import XY
 
-XY = tuple[float, float]
 Ending = Literal["open", "end", "none"]
 """How a traced line ends: where nothing was seen yet; where the road does; or there is no road."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, degrees, hypot, pi, sin
+from math import cos, degrees, dist, hypot, pi, sin
 
 import numpy as np
 import pytest
@@ -12,8 +12,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely import LineString, Polygon
 
-from behaviors.coverage import Footprint, Lanes, area_of, lanes_over
+from behaviors.coverage import Lanes, lanes_over
 from behaviors.plan import Unflyable
+from behaviors.polygons import area_of
+from behaviors.strips import Footprint
 from vencejo.geometry import rotate_xy
 from vencejo.polylines import XY
 
@@ -201,3 +203,62 @@ def test_a_strip_that_is_forked_or_hollow_is_seen_whole(axis: float) -> None:
     lanes = lanes_over(RAGGED, [], Footprint(5.0, 2.0), 2.0, None, axis)
     assert seen(lanes, area, 5.0, 2.0) > 0.995
     assert outside(lanes, area) < 1e-6
+
+
+def test_of_two_arms_in_one_strip_both_are_seen() -> None:
+    fork = [(0, 0), (20, 0), (20, 1), (2, 1), (2, 4), (20, 4), (20, 5), (0, 5)]
+    lanes = lanes_over(fork, [], Footprint(5.0, 2.0), 2.0, None, 0.0)
+    assert seen(lanes, Polygon(fork), 5.0, 2.0) > 0.999
+    assert outside(lanes, Polygon(fork)) < 1e-6
+
+
+def test_what_is_seen_beside_another_lane_is_not_flown_for() -> None:
+    # 40 cm of a bump reach into the upper strip, which is there for the tower.
+    tower = [
+        (0, 0), (20, 0), (20, 4), (14, 4), (14, 4.4), (10, 4.4), (10, 4), (4, 4), (4, 8), (0, 8),
+    ]  # fmt: skip
+    plain = lanes_over(tower, [], Footprint(4.0, 1.0), 2.0, None, 0.0)
+    wider = lanes_over(tower, [], Footprint(4.0, 1.0, 0.5), 2.0, None, 0.0)
+    assert (len(plain.lanes), len(wider.lanes)) == (3, 2)
+    assert seen(wider, Polygon(tower), 5.0, 1.0) > 0.999
+    # Nor does a lane go into a corner that the next one sees.
+    slanted = [(0.0, 0.0), (20.0, 0.0), (28.0, 8.0), (8.0, 8.0)]
+    plain = lanes_over(slanted, [], Footprint(4.0, 1.0), 2.0, None, 0.0)
+    wider = lanes_over(slanted, [], Footprint(4.0, 1.0, 0.5), 2.0, None, 0.0)
+    assert wider.length < plain.length - 0.5
+    assert seen(wider, Polygon(slanted), 5.0, 1.0) > 0.999
+
+
+@pytest.mark.parametrize("turn", [0.0, pi / 2, 1.1, 2.3])
+def test_however_an_area_is_turned_it_takes_as_many_lanes(turn: float) -> None:
+    turned = [rotate_xy(x, y, turn) for x, y in SQUARE]
+    lanes = lanes_over(turned, [], Footprint(4.0, 2.0), 2.0)
+    assert len(lanes.lanes) == 3 and lanes.length == pytest.approx(56.0)
+
+
+def test_turns_count_the_more_the_faster_it_flies() -> None:
+    band = [(0.0, 0.0), (40.0, 0.0), (40.0, 6.0), (0.0, 6.0)]
+    across, along = (lanes_over(band, [], Footprint(4.0, 2.5), speed) for speed in (2.0, 6.0))
+    assert (across.axis, len(across.lanes)) == (pytest.approx(pi / 2), 10)
+    assert (along.axis % pi, len(along.lanes)) == (pytest.approx(0.0), 2)
+    assert across.length < along.length
+
+
+def test_a_way_passes_corners_with_some_room() -> None:
+    corners, holes = SHAPES["U"]
+    lanes = lanes_over(corners, holes, Footprint(5.0, 2.5), 2.0, (0.0, 40.0), pi / 2)
+    passed = [place for lane in lanes.lanes for place in lane.approach]
+    assert passed
+    for place in passed:
+        assert min(dist(place, corner) for corner in corners) == pytest.approx(0.3)
+
+
+STAR = [
+    (21.6, 0.0), (19.5, 10.2), (5.3, 7.7), (2.6, 21.6), (-3.3, 8.7), (-12.3, 10.9), (-11.5, 2.8),
+    (-7.3, -1.8), (-15.8, -14.0), (-8.6, -22.6), (1.3, -10.8), (13.3, -19.2), (10.3, -5.4),
+]  # fmt: skip
+
+
+def test_parts_are_flown_in_a_short_order() -> None:
+    lanes = lanes_over(STAR, [], Footprint(5.0, 2.0), 2.0, (0.0, 0.0), 0.3)
+    assert lanes.length < 240  # always to the nearest part next it is 256 m
