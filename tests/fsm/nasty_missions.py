@@ -155,14 +155,30 @@ NASTY = {
 }
 
 
+_CHECK = """
+import atexit, re, sys
+from pathlib import Path
+from cli.main import main
+
+def keep(file):
+    file.write_text(re.search(r"VmHWM:(.*)", Path("/proc/self/status").read_text())[1])
+
+atexit.register(keep, Path(sys.argv.pop()))
+main()
+"""
+"""Runs the command line, and writes down its peak memory: what wait4 tells of that is no less than
+the memory of the process that spawned it."""
+
+
 def check_usage(text: str, file: Path) -> tuple[float, float]:
     """CPU seconds and peak megabytes of `drone-cli check` of a mission, written to a file."""
     file.write_text(f"mission: m\n{text}")
-    command = [sys.executable, "-c", "from cli.main import main; main()", "check", str(file)]
+    peak = file.with_suffix(".peak")
+    command = [sys.executable, "-c", _CHECK, "check", str(file), str(peak)]
     # As for somebody who uses it twice: the first run keeps the byte code.
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     with Path(os.devnull).open("w") as nothing:
         actions = [(os.POSIX_SPAWN_DUP2, nothing.fileno(), fd) for fd in (1, 2)]
         process = os.posix_spawn(command[0], command, environment, file_actions=actions)
     _, _, used = os.wait4(process, 0)
-    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+    return used.ru_utime + used.ru_stime, int(peak.read_text().split()[0]) / 1024
