@@ -139,7 +139,8 @@ class SweepDetect(Behavior):
         params, seen, progress = self.params, flight.observation, progress or {}
         self.found_by = read_detectors(params.detect, self.detectors)
         outlines_of(params.area, params.holes)
-        self.frames = NewFrames(flight.camera(params.camera), params.roll_pitch_thr)
+        self.camera = flight.camera(params.camera)
+        self.frames = NewFrames(self.camera, params.roll_pitch_thr)
         self.begin = Point(*progress.get("begin", seen.position))
         self.yaw: float = progress.get("yaw", seen.yaw)
         given = None if params.spacing is None else _footprint(params.spacing)
@@ -181,12 +182,10 @@ class SweepDetect(Behavior):
 
     def step(self, flight: Flight) -> Outcome | str | None:
         frame = self.frames.next(flight.observation)
-        if frame is not None and not self.has_looked:
-            self._require_down(frame)
+        if not self.has_looked:
+            self._require_down()
         if self.way is None:
-            footprint = self.footprint
-            if footprint is None and frame is not None:
-                footprint = _footprint_seen(self.params, frame.intrinsics)
+            footprint = self.footprint or self._footprint_now()
             if footprint is None:
                 return None
             self.way = self._set_out(flight, footprint)
@@ -201,11 +200,19 @@ class SweepDetect(Behavior):
         flight.publish(Searched(found, far, lane + 1, lanes, share))
         return outcome
 
-    def _require_down(self, frame: Frame) -> None:
-        """Raises Unflyable for a frame of a camera that looks elsewhere."""
+    def _require_down(self) -> None:
+        """Raises Unflyable for a camera whose first frame looks elsewhere."""
+        frame = self.camera.latest()
+        if frame is None:
+            return
         if direction(frame, _middle(frame)).z > _DOWN:
             raise Unflyable(f"the camera '{self.params.camera}' does not look down", "camera")
         self.has_looked = True
+
+    def _footprint_now(self) -> Footprint | None:
+        """What the camera sees, by its newest frame, at whatever tilt; None before the first."""
+        frame = self.camera.latest()
+        return None if frame is None else _footprint_seen(self.params, frame.intrinsics)
 
     def _look(self, flight: Flight, frame: Frame) -> None:
         """Give a frame to the detectors, and tell what they have found."""

@@ -177,7 +177,6 @@ def test_above_ground_it_follows_the_ground() -> None:
 
 def test_pictures_while_tilted_are_not_looked_at() -> None:
     tilted = Search({**VALUES, "roll_pitch_thr": 0.1})
-    tilted.step()
     observe = tilted.vehicle.observe
     lean = (0.1, 0.0, 0.0, 0.995)
     tilted.vehicle.observe = lambda: observe()._replace(attitude=lean)  # type: ignore[method-assign]
